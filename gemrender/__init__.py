@@ -1,0 +1,68 @@
+"""See, measure and improve how a cut stone handles light.
+
+::
+
+    import gemrender
+
+    stone = gemrender.load_stone("inoue-3")
+    result = gemrender.score(stone)
+    print(result.average, result.rear)
+
+Importing the package imports no Mitsuba and sets no variant.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+from gemrender.engines import observe
+from gemrender.errors import BackendError, GemrenderError, InputError
+
+# At once, not on demand: the function has its module's name, and must be bound after the module.
+from gemrender.score import Score, score
+
+if TYPE_CHECKING:
+    from gemrender.observation import Model, Observation, RayStatus, View
+    from gemrender.stone import RoundBrilliant, Stone, bundled_stones, load_stone
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "BackendError",
+    "GemrenderError",
+    "InputError",
+    "Model",
+    "Observation",
+    "RayStatus",
+    "RoundBrilliant",
+    "Score",
+    "Stone",
+    "View",
+    "bundled_stones",
+    "load_stone",
+    "observe",
+    "score",
+]
+
+_ON_DEMAND = {
+    "Model": "gemrender.observation",
+    "Observation": "gemrender.observation",
+    "RayStatus": "gemrender.observation",
+    "View": "gemrender.observation",
+    "RoundBrilliant": "gemrender.stone",
+    "Stone": "gemrender.stone",
+    "bundled_stones": "gemrender.stone",
+    "load_stone": "gemrender.stone",
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Import numpy and what needs it only when it is asked for."""
+    if name in _ON_DEMAND:
+        return getattr(importlib.import_module(_ON_DEMAND[name]), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -1,0 +1,5 @@
+"""``python -m gemrender``."""
+
+from gemrender.cli import main
+
+main()

@@ -1,0 +1,94 @@
+"""Transmittance of an optically smooth surface: Fresnel's equations, and Gübelin's table for diamond."""
+
+from __future__ import annotations
+
+import numpy as np
+
+__all__ = [
+    "FRESNEL_LAWS",
+    "GUBELIN_ANGLES_DEG",
+    "GUBELIN_INDEX",
+    "GUBELIN_REFLECTED",
+    "brewster_angle_deg",
+    "critical_angle_deg",
+    "reflectance",
+    "reflectance_polarised",
+    "transmittance",
+    "transmittance_gubelin",
+]
+
+#: Names of the two transmittance laws, as on the command line.
+FRESNEL_LAWS = ("gubelin", "exact")
+
+#: Refractive index of diamond that the paper uses, and that Gübelin's table holds for.
+GUBELIN_INDEX = 2.4173
+
+#: Gübelin's table (the paper's table 1): angle of incidence in air [deg] and reflected share. Below 1 deg
+#: the first value, above 80 deg linear to 1 at 90 deg (`model.md`, section 5).
+GUBELIN_ANGLES_DEG = np.array([0.0, 1.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 67.31, 70.0, 80.0, 90.0])
+GUBELIN_REFLECTED = (
+    np.array([16.99, 16.99, 17.23, 17.36, 17.36, 17.77, 18.73, 21.12, 24.85, 27.21, 43.33, 100.0]) / 100
+)
+GUBELIN_ANGLES_DEG.setflags(write=False)
+GUBELIN_REFLECTED.setflags(write=False)
+
+
+def critical_angle_deg(index: float) -> float:
+    """Return the critical angle of total reflection, asin(1/n) [deg]."""
+    return float(np.degrees(np.arcsin(1.0 / index)))
+
+
+def brewster_angle_deg(index: float) -> float:
+    """Return the angle of incidence in air without p-polarised reflection, atan(n) [deg]."""
+    return float(np.degrees(np.arctan(index)))
+
+
+def reflectance_polarised(cos_air: np.ndarray, index: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return Fresnel's reflectances for s- and p-polarised light.
+
+    Born & Wolf, Principles of Optics, 7th ed., section 1.5.2, equations (21a).
+
+    Parameters
+    ----------
+    cos_air : array_like
+        Cosine of the angle of incidence on the air's side, 0 to 1.
+    index : float
+        Refractive index of the stone relative to air, at least 1.
+
+    Returns
+    -------
+    (R_s, R_p) : arrays like `cos_air`
+        Reflected share of the power; the same from either side of the surface.
+    """
+    cos_a = np.asarray(cos_air, dtype=np.float64)
+    cos_b = np.sqrt(1.0 - (1.0 - cos_a**2) / index**2)
+    r_s = (cos_a - index * cos_b) / (cos_a + index * cos_b)
+    r_p = (index * cos_a - cos_b) / (index * cos_a + cos_b)
+    return r_s**2, r_p**2
+
+
+def reflectance(cos_air: np.ndarray, index: float) -> np.ndarray:
+    """Return the reflectance for unpolarised light: the mean of both polarisations."""
+    r_s, r_p = reflectance_polarised(cos_air, index)
+    return np.asarray(0.5 * (r_s + r_p))
+
+
+def transmittance_gubelin(cos_air: np.ndarray) -> np.ndarray:
+    """Return the transmitted share by Gübelin's table, linear in the angle between its rows.
+
+    Holds for diamond at the sodium D line only (n = 2.4173).
+
+    Parameters
+    ----------
+    cos_air : array_like
+        Cosine of the angle of incidence on the air's side, 0 to 1.
+    """
+    angle_deg = np.degrees(np.arccos(np.clip(cos_air, 0.0, 1.0)))
+    return np.asarray(1.0 - np.interp(angle_deg, GUBELIN_ANGLES_DEG, GUBELIN_REFLECTED))
+
+
+def transmittance(cos_air: np.ndarray, index: float, law: str = "exact") -> np.ndarray:
+    """Return the transmitted share T = 1 - R by the law "exact" (Fresnel) or "gubelin" (the table)."""
+    if law == "gubelin":
+        return transmittance_gubelin(cos_air)
+    return 1.0 - reflectance(cos_air, index)

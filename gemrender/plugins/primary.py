@@ -1,0 +1,384 @@
+"""`gem_primary`: an AOV integrator that follows the principal ray through a stone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import drjit as dr
+import mitsuba as mi
+
+from gemrender.observation import (
+    INTENSITIES,
+    LIGHT_LEVEL,
+    MOST_REFLECTIONS,
+    PATH_CODE_FACTOR,
+    PATH_CODE_MASK,
+    REAR_RULES,
+    RayStatus,
+)
+from gemrender.optics.fresnel import FRESNEL_LAWS, GUBELIN_ANGLES_DEG, GUBELIN_INDEX, GUBELIN_REFLECTED
+from gemrender.scene.mesh import FACET_ATTRIBUTE, NORMAL_ATTRIBUTES, OFFSET_ATTRIBUTES
+from gemrender.stone.topology import GIRDLE
+
+#: The integrator's channels, in order, after the film's own.
+AOV_NAMES = (
+    "primary.intensity",
+    "rear.mask",
+    "coverage",
+    "status",
+    "reflections",
+    "exit.x",
+    "exit.y",
+    "exit.z",
+    "exit.dx",
+    "exit.dy",
+    "exit.dz",
+    "entry.facet",
+    "exit.facet",
+    "path.code",
+)
+
+#: How far the search for the next facet starts from the last one [girdle radius]. Must exceed the sagitta
+#: of the mesh's girdle (4.7e-6) and single precision's rounding at distance 1 (6e-8).
+RAY_OFFSET = 1e-5
+
+#: Further queries, each from a place beside the last, before a ray that met nothing counts as lost.
+MOST_RETRIES = 3
+
+
+class PrimaryIntegrator(mi.SamplingIntegrator):
+    r"""
+    .. _integrator-gem_primary:
+
+    Principal rays of a cut stone (:monosp:`gem_primary`)
+    -----------------------------------------------------
+
+    .. pluginparameters::
+
+     * - int_ior
+       - |float|
+       - Refractive index of the stone. (Default: 2.4173, diamond at 589.3 nm)
+       - |exposed|
+
+     * - ext_ior
+       - |float|
+       - Refractive index of what surrounds it. (Default: 1.0)
+       - |exposed|
+
+     * - fresnel
+       - |string|
+       - Transmittance law: ``gubelin``, the table of Inoue's paper (diamond only), or ``exact``, the
+         unpolarised Fresnel equations. (Default: ``gubelin``)
+       -
+
+     * - rear
+       - |string|
+       - What counts as rear light: light that came in below the girdle's lower edge, z <= 0
+         (``position``), or light from below the horizon (``direction``). (Default: ``position``)
+       -
+
+     * - intensity
+       - |string|
+       - ``primary``, the paper's intensity per unit cross-section of the beam, or ``radiance``, without
+         the change of the cross-section. (Default: ``primary``)
+       -
+
+     * - max_reflections
+       - |int|
+       - Number of total reflections after which a ray counts as trapped. (Default: 1000)
+       - |exposed|
+
+    Follows each sensor ray into the stone by refraction, on by total reflection, and out where it first
+    meets a surface below the critical angle: the ray is followed backwards, so this is where its light
+    came in. Weaker branches are ignored (Inoue; ``model.md``, section 4). The colour channels hold the
+    radiance that the scene's emitters send along this one path, and black outside the stone. The AOVs are
+
+    - ``primary.intensity`` [%], ``rear.mask``, ``coverage`` (1 where the stone is),
+    - ``status`` (0 missed, 1 exited, 2 trapped, 3 lost), ``reflections``,
+    - ``exit.x``, ``.y``, ``.z`` [scene units] and ``exit.dx``, ``.dy``, ``.dz`` (unit vector): where and in
+      which direction the ray followed back leaves the stone,
+    - ``entry.facet``, ``exit.facet`` (-1 for none), ``path.code``, a 24-bit code of the facet sequence.
+
+    The stone is a mesh in its own frame (girdle radius 1 about the origin, table up), with vertex normals
+    and a face attribute ``face_facet``; the generator in ``gemrender.scene`` makes it. Positions and
+    directions are held in double precision: only the choice of the next facet is the ray tracer's.
+    With more than one sample a pixel, AOVs are averages, which is of use for the first three alone.
+
+    .. tabs::
+        .. code-tab:: xml
+            :name: gem-primary
+
+            <integrator type="gem_primary">
+                <float name="int_ior" value="2.4173"/>
+                <string name="fresnel" value="exact"/>
+            </integrator>
+
+        .. code-tab:: python
+
+            'type': 'gem_primary',
+            'int_ior': 2.4173,
+            'fresnel': 'exact'
+
+    """  # noqa: D400 (opens with a label, as Mitsuba's manual does)
+
+    def __init__(self, props: mi.Properties) -> None:
+        super().__init__(props)
+        self.fresnel = _choice(props, "fresnel", FRESNEL_LAWS)
+        self.rear = _choice(props, "rear", REAR_RULES)
+        self.intensity = _choice(props, "intensity", INTENSITIES)
+        int_ior, ext_ior = props.get("int_ior", GUBELIN_INDEX), props.get("ext_ior", 1.0)
+        max_reflections = props.get("max_reflections", MOST_REFLECTIONS)
+        if not 0 < ext_ior < int_ior:
+            raise ValueError(f"gem_primary: int_ior = {int_ior}: must be greater than ext_ior = {ext_ior}")
+        if max_reflections < 1:
+            raise ValueError(f"gem_primary: max_reflections = {max_reflections}: must be at least 1")
+        # Opaque: another value needs no other kernel.
+        self.int_ior = dr.opaque(mi.Float64, int_ior)
+        self.ext_ior = dr.opaque(mi.Float64, ext_ior)
+        self.max_reflections = dr.opaque(mi.UInt32, max_reflections)
+        self.table_angles = mi.Float(GUBELIN_ANGLES_DEG)
+        self.table_reflected = mi.Float(GUBELIN_REFLECTED)
+
+    def traverse(self, cb: mi.TraversalCallback) -> None:
+        """Expose the parameters that can change without a new kernel."""
+        cb.put("int_ior", self.int_ior, mi.ParamFlags.NonDifferentiable)
+        cb.put("ext_ior", self.ext_ior, mi.ParamFlags.NonDifferentiable)
+        cb.put("max_reflections", self.max_reflections, mi.ParamFlags.NonDifferentiable)
+
+    def parameters_changed(self, keys: list[str]) -> None:
+        """Keep changed parameters opaque."""
+        dr.make_opaque(self.int_ior, self.ext_ior, self.max_reflections)
+
+    def aov_names(self) -> list[str]:
+        """Return the names of the channels after the film's own."""
+        return list(AOV_NAMES)
+
+    def sample(
+        self,
+        scene: mi.Scene,
+        sampler: mi.Sampler,
+        ray: mi.RayDifferential3f,
+        medium: mi.Medium | None = None,
+        active: mi.Bool = True,
+    ) -> tuple[mi.Spectrum, mi.Bool, list[mi.Float]]:
+        """Follow one ray; see the class."""
+        with dr.suspend_grad():
+            return self._measure(scene, ray, self._follow(scene, mi.Ray3f(ray), mi.Bool(active)))
+
+    @dr.syntax
+    def _follow(self, scene, ray, active):  # type: ignore[no-untyped-def]  # dr.syntax reads the source
+        eta = self.int_ior / self.ext_ior
+
+        # ---- Into the stone: refraction at the first surface ----
+
+        si = scene.ray_intersect(ray, active)
+        hit = active & si.is_valid()
+        entry_facet, n, offset = _surface(si, hit)
+        d = mi.Vector3d(ray.d)
+        p, n = _meet(mi.Point3d(ray.o), d, si, entry_facet, n, offset)
+        cos_air_eye = -dr.dot(n, d)
+        hit &= cos_air_eye > 0
+        sin2 = (1 - dr.square(cos_air_eye)) / dr.square(eta)
+        cos_stone_eye = dr.safe_sqrt(1 - sin2)
+        d = (d + cos_air_eye * n) / eta - cos_stone_eye * n
+
+        # ---- From surface to surface by total reflection, until the ray leaves ----
+
+        p = dr.select(hit, p, 0)
+        d = dr.select(hit, d, mi.Vector3d(0, 0, -1))
+        retries = mi.UInt32(0)
+        start = _query_start(p, d, entry_facet, retries)  # p itself stays on the surface
+        inside = mi.Bool(hit)
+        status = dr.select(hit, mi.UInt32(int(RayStatus.TRAPPED)), mi.UInt32(int(RayStatus.MISSED)))
+        reflections = mi.UInt32(0)
+        facet = mi.Float(-1)
+        code = dr.select(hit, mi.UInt32(entry_facet) + 1, 0)
+        cos_stone = mi.Float64(1)  # of the angle inside, where the ray leaves
+        cos_air = mi.Float64(1)  # of the angle outside
+
+        while dr.hint(inside, label="gem_primary"):
+            si = scene.ray_intersect(mi.Ray3f(start, mi.Vector3f(d)), mi.RayFlags.Minimal, False, inside)
+            found = inside & si.is_valid()
+            facet_here, n, offset = _surface(si, found)
+            q, n = _meet(p, d, si, facet_here, n, offset)
+            cos_i = dr.dot(n, d)
+            found &= cos_i > 0
+            # A ray may slip through an edge in single precision: try again from beside it.
+            retries = dr.select(found, 0, retries + 1)
+            again = inside & ~found & (retries <= MOST_RETRIES)
+            status[inside & ~found & ~again] = mi.UInt32(int(RayStatus.LOST))
+            p = dr.select(found, q, p)
+            code = dr.select(
+                found, (code * PATH_CODE_FACTOR + mi.UInt32(facet_here) + 1) & PATH_CODE_MASK, code
+            )
+
+            sin2 = dr.square(eta) * (1 - dr.square(cos_i))
+            exits = found & (sin2 < 1)
+            cos_t = dr.safe_sqrt(1 - sin2)
+            status[exits] = mi.UInt32(int(RayStatus.EXITED))
+            facet = dr.select(exits, facet_here, facet)
+            cos_stone = dr.select(exits, cos_i, cos_stone)
+            cos_air = dr.select(exits, cos_t, cos_air)
+
+            reflects = found & ~exits & (reflections < self.max_reflections)
+            refracted = eta * (d - cos_i * n) + cos_t * n
+            d = dr.select(exits, refracted, dr.select(reflects, d - 2 * cos_i * n, d))
+            reflections[reflects] += 1
+            inside = reflects | again
+            start = _query_start(p, d, facet_here, retries)
+
+        return _Path(
+            hit=hit,
+            status=status,
+            reflections=reflections,
+            entry_facet=entry_facet,
+            exit_facet=facet,
+            code=code,
+            point=p,
+            direction=d,
+            eye_side=(cos_air_eye, cos_stone_eye),
+            light_side=(cos_air, cos_stone),
+        )
+
+    def _measure(
+        self, scene: mi.Scene, ray: mi.Ray3f, path: _Path
+    ) -> tuple[mi.Spectrum, mi.Bool, list[mi.Float]]:
+        """Return the radiance along the path, whether the stone was hit, and the AOVs."""
+        exited = path.status == int(RayStatus.EXITED)
+        p, d = path.point, path.direction
+        rear = exited & ((p.z if self.rear == "position" else d.z) <= 0)
+        transmitted = self._transmittance(*path.eye_side) * self._transmittance(*path.light_side)
+        intensity = LIGHT_LEVEL * transmitted
+        if self.intensity == "primary":
+            # S1/S2 at both crossings, as the light travels (the paper's section 2.2)
+            (air_eye, stone_eye), (air_light, stone_light) = path.eye_side, path.light_side
+            intensity *= (air_light / stone_light) * (stone_eye / air_eye)
+        radiance = mi.Spectrum(mi.Float(transmitted)) * self._light(scene, ray, p, d, exited)
+
+        p, d = dr.select(exited, p, 0), dr.select(exited, d, 0)
+        aovs = [
+            mi.Float(dr.select(exited & ~rear, intensity, 0)),
+            dr.select(rear, mi.Float(1), 0),
+            dr.select(path.hit, mi.Float(1), 0),
+            mi.Float(path.status),
+            mi.Float(path.reflections),
+            *(mi.Float(x) for x in (p.x, p.y, p.z, d.x, d.y, d.z)),
+            dr.select(path.hit, path.entry_facet, -1),
+            path.exit_facet,
+            mi.Float(path.code),
+        ]
+        return dr.select(exited, radiance, 0), path.hit, aovs
+
+    def _transmittance(self, cos_air: mi.Float64, cos_stone: mi.Float64) -> mi.Float64:
+        """Return the transmitted share at one crossing, from both of its angles."""
+        eta = self.int_ior / self.ext_ior
+        if self.fresnel == "exact":
+            # Born & Wolf, 7th ed., section 1.5.2, equations (21a)
+            r_s = (cos_air - eta * cos_stone) / (cos_air + eta * cos_stone)
+            r_p = (eta * cos_air - cos_stone) / (eta * cos_air + cos_stone)
+            return 1 - 0.5 * (dr.square(r_s) + dr.square(r_p))
+        angle = dr.rad2deg(dr.safe_acos(mi.Float(cos_air)))
+        row = mi.UInt32(0)
+        for k in range(1, len(GUBELIN_ANGLES_DEG) - 1):
+            row += dr.select(angle >= mi.Float(GUBELIN_ANGLES_DEG[k]), mi.UInt32(1), 0)
+        a0, a1 = dr.gather(mi.Float, self.table_angles, row), dr.gather(mi.Float, self.table_angles, row + 1)
+        r0 = dr.gather(mi.Float, self.table_reflected, row)
+        r1 = dr.gather(mi.Float, self.table_reflected, row + 1)
+        return mi.Float64(1 - (r0 + (r1 - r0) * (angle - a0) / (a1 - a0)))
+
+    def _light(
+        self, scene: mi.Scene, ray: mi.Ray3f, p: mi.Point3d, d: mi.Vector3d, active: mi.Bool
+    ) -> mi.Spectrum:
+        """Radiance that arrives from outside along the ray that left the stone."""
+        outside = mi.Ray3f(mi.Point3f(p), mi.Vector3f(d), ray.time, ray.wavelengths)
+        environment = scene.environment()
+        if environment is not None and len(scene.emitters()) == 1:
+            si = dr.zeros(mi.SurfaceInteraction3f)  # nothing else shines: no need to look what stands there
+            si.wi = -outside.d
+            si.wavelengths = ray.wavelengths
+            return environment.eval(si, active)
+        outside.o += RAY_OFFSET * mi.Vector3f(d)
+        si = scene.ray_intersect(outside, active)
+        return si.emitter(scene, active).eval(si, active)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Path:
+    """What is known of a ray that has been followed; arrays, one value a ray."""
+
+    hit: mi.Bool
+    status: mi.UInt32
+    reflections: mi.UInt32
+    entry_facet: mi.Float
+    exit_facet: mi.Float
+    code: mi.UInt32
+    point: mi.Point3d  # where the ray leaves the stone
+    direction: mi.Vector3d  # in which it leaves
+    eye_side: tuple[mi.Float64, mi.Float64]  # cosines of the angles in air and in the stone
+    light_side: tuple[mi.Float64, mi.Float64]
+
+
+# ---- Queries ----
+
+
+def _query_start(p: mi.Point3d, d: mi.Vector3d, facet: mi.Float, retries: mi.UInt32) -> mi.Point3f:
+    """Where to look for the next facet from: inside the stone, although p lies on its surface.
+
+    From a plane a little way along the ray, which leaves the line as it is. From the girdle, whose mesh
+    runs inside the true wall, and after a query that found nothing (p lies beside an edge), towards the
+    stone's middle; each retry also aside of the last.
+    """
+    along = p + RAY_OFFSET * d
+    step = RAY_OFFSET * mi.Float64(retries)
+    drawn_in = p * (1 - RAY_OFFSET - step) + step * dr.cross(d, mi.Vector3d(0.8, 0.36, 0.48))
+    return mi.Point3f(dr.select((facet == GIRDLE) | (retries > 0), drawn_in, along))
+
+
+# ---- Surfaces of the stone, in double precision ----
+
+
+def _surface(si: mi.SurfaceInteraction3f, active: mi.Bool) -> tuple[mi.Float, mi.Vector3d, mi.Float64]:
+    """Facet number, and the plane's outward normal and offset, of the face that was hit."""
+    shape = si.shape
+    facet = shape.eval_attribute_1(FACET_ATTRIBUTE, si, active)
+    normal, offset = (
+        kind(shape_value(high, si, active)) + kind(shape_value(low, si, active))
+        for kind, shape_value, (high, low) in (
+            (mi.Vector3d, shape.eval_attribute_3, NORMAL_ATTRIBUTES),
+            (mi.Float64, shape.eval_attribute_1, OFFSET_ATTRIBUTES),
+        )
+    )
+    return facet, normal, offset
+
+
+def _meet(
+    p: mi.Point3d,
+    d: mi.Vector3d,
+    si: mi.SurfaceInteraction3f,
+    facet: mi.Float,
+    n: mi.Vector3d,
+    offset: mi.Float64,
+) -> tuple[mi.Point3d, mi.Vector3d]:
+    """Where the ray p + t d meets the surface, and the outward normal there."""
+    is_girdle = facet == GIRDLE
+    on_plane = (offset - dr.dot(n, p)) / dr.dot(n, d)
+    # A round girdle is the cylinder of radius `offset`, left through the farther root; of a measured one
+    # the mesh is taken for the wall.
+    a = dr.square(d.x) + dr.square(d.y)
+    b = p.x * d.x + p.y * d.y
+    c = dr.square(p.x) + dr.square(p.y) - dr.square(offset)
+    root = dr.safe_sqrt(dr.square(b) - a * c)
+    on_wall = dr.select(offset > 0, (-b + root) / a, mi.Float64(si.t))
+    q = p + dr.select(is_girdle, on_wall, on_plane) * d
+    radial = mi.Vector3d(q.x, q.y, 0) * dr.rsqrt(dr.square(q.x) + dr.square(q.y))
+    return q, dr.select(is_girdle, radial, n)
+
+
+def _choice(props: mi.Properties, key: str, allowed: tuple[str, ...]) -> str:
+    value = props.get(key, allowed[0])
+    if value not in allowed:
+        raise ValueError(f"gem_primary: {key} = {value!r}: must be one of {', '.join(allowed)}")
+    return str(value)
+
+
+mi.register_integrator("gem_primary", lambda props: PrimaryIntegrator(props))

@@ -1,0 +1,209 @@
+"""Where a ray meets the stone: 78 triangles and the girdle, surface number 79 (the paper's section 3.2).
+
+Every surface is tested. A girdle facet goes on beyond its chord, as the same plane, until it meets the
+girdle's wall or the facet on the girdle's other side. Ties go to the surface with the lower number, and a
+ray that slips between two surfaces by rounding takes the nearest plane ahead, so that none is lost.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from gemrender.stone import Stone
+from gemrender.stone.topology import (
+    GIRDLE,
+    LOWER_GIRDLE_FACETS,
+    N_TRIANGLES,
+    TRIANGLE_FACET,
+    UPPER_GIRDLE_FACETS,
+)
+
+__all__ = ["Hit", "Surfaces"]
+
+#: Slack of the tests of edges and distances [girdle radius]: some thousand roundings of float64, so that a
+#: ray through an edge or a vertex meets at least one surface.
+EDGE_TOLERANCE = 1e-11
+
+_UPPER = np.searchsorted(TRIANGLE_FACET, UPPER_GIRDLE_FACETS)
+_LOWER = np.searchsorted(TRIANGLE_FACET, LOWER_GIRDLE_FACETS)
+#: Of a triangle that goes on beyond its chord, the one across the girdle; else -1.
+_OPPOSITE = np.full(N_TRIANGLES, -1)
+_OPPOSITE[_UPPER], _OPPOSITE[_LOWER] = _LOWER, _UPPER
+
+
+#: Rays tested at a time: their distances to 79 surfaces stay in a core's cache.
+_CHUNK = 2048
+
+
+@dataclass(frozen=True, slots=True)
+class Hit:
+    """The nearest surface along each of n rays.
+
+    Attributes
+    ----------
+    distance : (n,) float64
+        Distance along the ray [girdle radius]; infinite where it meets nothing.
+    facet : (n,) int64
+        Facet number, the girdle's 57 included; -1 where it meets nothing.
+    normal : (n, 3) float64
+        Outward unit normal.
+    """
+
+    distance: np.ndarray
+    facet: np.ndarray
+    normal: np.ndarray
+
+
+@dataclass(frozen=True, slots=True)
+class Surfaces:
+    """The 79 surfaces of a stone, as planes and edge functionals.
+
+    Parameters
+    ----------
+    stone : Stone
+        The stone to trace.
+    """
+
+    stone: Stone
+    #: (3, 78, 3) and (3, 78): distance from each edge, positive on the triangle's side, as an affine
+    #: function of the point: functional . p - constant.
+    _functionals: np.ndarray = field(init=False, repr=False)
+    _constants: np.ndarray = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        v = self.stone.vertices[self.stone.triangles]
+        along = np.roll(v, -1, axis=1) - v
+        inward = np.cross(self.stone.triangle_normals[:, None], along)
+        inward /= np.linalg.norm(inward, axis=-1, keepdims=True)
+        constants = np.einsum("ijk,ijk->ij", inward, v)
+        object.__setattr__(self, "_functionals", np.ascontiguousarray(inward.transpose(1, 0, 2)))
+        object.__setattr__(self, "_constants", np.ascontiguousarray(constants.T))
+
+    def nearest(self, origin: np.ndarray, direction: np.ndarray, *, inside: bool) -> Hit:
+        """Find the nearest surface that each ray goes out through, or comes in through.
+
+        Parameters
+        ----------
+        origin, direction : (n, 3) float64
+            Rays, inside the stone or outside it; unit directions.
+        inside : bool
+            Whether the rays are inside. Surfaces that face the other way are passed by, so the surface
+            just left needs no offset.
+        """
+        parts = [
+            self._nearest(origin[i : i + _CHUNK], direction[i : i + _CHUNK], inside)
+            for i in range(0, len(origin), _CHUNK)
+        ]
+        return Hit(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
+
+    def _nearest(
+        self, origin: np.ndarray, direction: np.ndarray, inside: bool
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        n = len(origin)
+        slope = self.stone.triangle_normals @ direction.T
+        heads = slope > 0.0 if inside else slope < 0.0  # neither for a ray parallel to the plane
+        distances = np.empty((N_TRIANGLES + 1, n))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            t = (self.stone.triangle_offsets[:, None] - self.stone.triangle_normals @ origin.T) / slope
+        distances[:-1] = np.where(heads & (t >= -EDGE_TOLERANCE), t, np.inf)
+        distances[-1] = self._girdle_distance(origin, direction, inside)
+        nearest_plane, ahead = distances.argmin(axis=0), distances.min(axis=0)
+
+        # One surface after the other, in the order of their distance, until the point lies on it.
+        surface, distance = np.zeros(n, dtype=np.int64), np.full(n, np.inf)
+        open_rays = np.arange(n)
+        while open_rays.size:
+            tried = distances[:, open_rays].argmin(axis=0)
+            t_tried = distances[tried, open_rays]
+            some = np.isfinite(t_tried)
+            open_rays, tried, t_tried = open_rays[some], tried[some], t_tried[some]
+            point = origin[open_rays] + t_tried[:, None] * direction[open_rays]
+            on_it = tried == N_TRIANGLES
+            on_it[~on_it] = self._within(tried[~on_it], point[~on_it])
+            surface[open_rays[on_it]] = tried[on_it]
+            distance[open_rays[on_it]] = t_tried[on_it]
+            distances[tried[~on_it], open_rays[~on_it]] = np.inf
+            open_rays = open_rays[~on_it]
+        if inside:
+            slipped = np.isinf(distance)
+            surface[slipped], distance[slipped] = nearest_plane[slipped], ahead[slipped]
+
+        met = np.isfinite(distance)
+        on_girdle = surface == N_TRIANGLES
+        triangle = np.where(on_girdle, 0, surface)
+        normal = self.stone.triangle_normals[triangle]
+        facet = np.where(on_girdle, GIRDLE, TRIANGLE_FACET[triangle])
+        radial = origin[on_girdle, :2] + distance[on_girdle, None] * direction[on_girdle, :2]
+        normal[on_girdle, :2] = radial / np.linalg.norm(radial, axis=1, keepdims=True)
+        normal[on_girdle, 2] = 0.0
+        return distance, np.where(met, facet, -1), normal
+
+    def _within(self, triangle: np.ndarray, point: np.ndarray) -> np.ndarray:
+        """Whether points (n, 3) of the planes of the triangles (n,) lie on them, or beyond their chord."""
+        edges = [
+            np.einsum("ij,ij->i", self._functionals[k, triangle], point) - self._constants[k, triangle]
+            for k in range(3)
+        ]
+        within = np.minimum(np.minimum(edges[0], edges[1]), edges[2]) >= -EDGE_TOLERANCE
+        outer = np.flatnonzero((_OPPOSITE[triangle] >= 0) & (edges[1] <= 0.0) & ~within)
+        if outer.size:
+            p, opposite = point[outer], _OPPOSITE[triangle[outer]]
+            wall = self.stone.girdle.radius(p[:, 0], p[:, 1], p[:, 2])
+            above = np.einsum("ij,ij->i", self.stone.triangle_normals[opposite], p)
+            within[outer] = (np.hypot(p[:, 0], p[:, 1]) <= wall + EDGE_TOLERANCE) & (
+                above <= self.stone.triangle_offsets[opposite] + EDGE_TOLERANCE
+            )
+        return np.asarray(within)
+
+    def _girdle_distance(self, origin: np.ndarray, direction: np.ndarray, inside: bool) -> np.ndarray:
+        """Distance to the girdle's wall, (n,); infinite for rays that miss it."""
+        a = direction[:, 0] ** 2 + direction[:, 1] ** 2
+        b = origin[:, 0] * direction[:, 0] + origin[:, 1] * direction[:, 1]
+        c = origin[:, 0] ** 2 + origin[:, 1] ** 2 - self.stone.girdle.largest_radius**2
+        root = b * b - a * c
+        meets = (a > 0.0) & (root >= 0.0)  # a vertical ray is parallel to the wall
+        out = np.full(len(origin), np.inf)
+        if not meets.any():
+            return out
+        o, d = origin[meets], direction[meets]
+        a, b, root = a[meets], b[meets], np.sqrt(root[meets])
+        t = (-b + root) / a if inside else (-b - root) / a
+        if not self.stone.girdle.is_round:
+            t = self._measured_wall(o, d, np.maximum(-b / a, 0.0) if inside else -b / a, t)
+        ok = t >= -EDGE_TOLERANCE
+        if not inside:
+            ok &= self._on_girdle(o + t[:, None] * d)
+        out[meets] = np.where(ok, t, np.inf)
+        return out
+
+    def _measured_wall(
+        self, origin: np.ndarray, direction: np.ndarray, inner: np.ndarray, outer: np.ndarray
+    ) -> np.ndarray:
+        """Bisect for the measured wall between a point inside it and one outside it."""
+        for _ in range(60):
+            middle = 0.5 * (inner + outer)
+            p = origin + middle[:, None] * direction
+            is_out = np.hypot(p[:, 0], p[:, 1]) > self.stone.girdle.radius(p[:, 0], p[:, 1], p[:, 2])
+            outer = np.where(is_out, middle, outer)
+            inner = np.where(is_out, inner, middle)
+        return np.asarray(0.5 * (inner + outer))
+
+    def _on_girdle(self, p: np.ndarray) -> np.ndarray:
+        """Whether points of the wall lie between the facets above and below the girdle."""
+        upper = p @ self.stone.triangle_normals[_UPPER].T <= self.stone.triangle_offsets[_UPPER]
+        lower = p @ self.stone.triangle_normals[_LOWER].T <= self.stone.triangle_offsets[_LOWER]
+        # Of each ring only the facet of the point's own sector bounds it.
+        return np.asarray(
+            upper[np.arange(len(p)), self._sector(p, self.stone.girdle.upper)]
+            & lower[np.arange(len(p)), self._sector(p, self.stone.girdle.lower)]
+        )
+
+    @staticmethod
+    def _sector(p: np.ndarray, ring: np.ndarray) -> np.ndarray:
+        start = np.arctan2(ring[0, 1], ring[0, 0])
+        angles = (np.arctan2(ring[:, 1], ring[:, 0]) - start) % (2 * np.pi)
+        angles[0] = 0.0
+        azimuth = (np.arctan2(p[:, 1], p[:, 0]) - start) % (2 * np.pi)
+        return np.asarray(np.searchsorted(angles, azimuth, side="right") - 1)

@@ -1,0 +1,1 @@
+"""Mitsuba at work: variants, scored maps."""

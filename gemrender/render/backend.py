@@ -1,0 +1,122 @@
+"""Mitsuba and its variant: import it, check that it can run here, switch the variant on.
+
+Nothing here imports Mitsuba or Dr.Jit at import, because **Dr.Jit loads its LLVM while it is imported**: the
+environment variable that names the library has to be set before.
+"""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from typing import Any
+
+from gemrender.errors import BackendError, InputError
+from gemrender.render.cures import backend_error, cure_for_missing, library_cure
+from gemrender.render.llvm import (
+    LLVM_FLOOR,
+    LLVM_VARIABLE,
+    LlvmLibrary,
+    find_llvm,
+    prepare_llvm,
+    require_loadable,
+)
+
+__all__ = ["DRJIT", "MITSUBA", "LlvmLibrary", "ensure_variant", "find_llvm", "prepare_llvm"]
+
+#: Versions that gemrender runs with, as pinned in pyproject.toml.
+MITSUBA, DRJIT = "3.9.1", "1.5.0"
+
+
+def ensure_variant(variant: str = "llvm_ad_mono") -> str:
+    """Make `variant` Mitsuba's active variant, with gemrender's plugins registered in it.
+
+    Cheap where it is active already.
+
+    Parameters
+    ----------
+    variant : str, optional
+        Name of a Mitsuba variant, not one of the scalar ones.
+
+    Returns
+    -------
+    str
+        The variant.
+
+    Raises
+    ------
+    InputError
+        No such variant, or a scalar one.
+    BackendError
+        Mitsuba, Dr.Jit, LLVM or a GPU is missing or of the wrong version; with the cure.
+    """
+    if variant.startswith("scalar"):
+        raise InputError(
+            "scalar variants are refused, Python plugins trace only about 0.1 million rays a second in them; "
+            "use llvm_ad_mono or llvm_ad_spectral",
+            source="--variant",
+            value=variant,
+        )
+    if "drjit" not in sys.modules:
+        try:
+            prepare_llvm()
+        except BackendError:
+            # CUDA does without LLVM, but this is the only chance to name one for a later switch to it.
+            if variant.startswith("llvm"):
+                raise
+    mi = _import_mitsuba()
+    allowed = [name for name in mi.variants() if not name.startswith("scalar")]
+    if variant not in allowed:
+        raise InputError(f"must be one of {', '.join(allowed)}", source="--variant", value=variant)
+    _check_backend(variant)
+    if mi.variant() != variant:
+        try:
+            mi.set_variant(variant)
+        except ImportError as error:
+            raise backend_error(f"Mitsuba cannot use {variant} ({error})", "gemrender doctor") from error
+    importlib.import_module("gemrender.plugins").register()
+    return variant
+
+
+def _import_mitsuba() -> Any:
+    """Import Mitsuba; tell a missing library and a wrong version with the cure."""
+    reinstall = f"pip install mitsuba=={MITSUBA} drjit=={DRJIT}"
+    try:
+        mi = importlib.import_module("mitsuba")
+    except ModuleNotFoundError as error:
+        raise backend_error(f"Mitsuba cannot be imported ({error})", reinstall) from error
+    except (ImportError, NameError) as error:
+        first: BaseException = error
+        while first.__context__ is not None:
+            first = first.__context__
+        if missing := cure_for_missing(str(first)):
+            found, cure = f"Dr.Jit needs {missing[0]}, which is missing", missing[1]
+        elif "_drjit_ext" in str(error) or "libatomic" in str(error):
+            # Dr.Jit names its extension while it reports that it could not be loaded: NameError.
+            found = "Dr.Jit cannot be loaded, as where libatomic.so.1 is missing"
+            cure = library_cure("libatomic.so.1")
+        else:
+            found, cure = f"Mitsuba cannot be imported ({first})", f"{reinstall} --force-reinstall"
+        raise backend_error(found, cure) from error
+    if not str(mi.__version__).startswith(MITSUBA):
+        raise backend_error(f"gemrender needs Mitsuba {MITSUBA}, found {mi.__version__}", reinstall)
+    return mi
+
+
+def _check_backend(variant: str) -> None:
+    """Check that Dr.Jit, by now imported, has a usable back end for the variant."""
+    dr = importlib.import_module("drjit")
+    if variant.startswith("cuda"):
+        if not dr.has_backend(dr.JitBackend.CUDA):
+            found = f"{variant} needs an NVIDIA graphics processor and its driver, and Dr.Jit found none"
+            raise backend_error(found, "--variant llvm_ad_mono")
+        return
+    version = tuple(dr.detail.llvm_version())  # (-1, -1, -1) where it has none
+    if not variant.startswith("llvm") or version >= (LLVM_FLOOR, 0, 0):
+        return
+    library = find_llvm()
+    require_loadable(library)
+    took = f"LLVM {version[0]}.{version[1]}.{version[2]}" if version[0] > 0 else "no LLVM"
+    raise backend_error(
+        f"Dr.Jit was imported with {took} before gemrender could name one, and needs {LLVM_FLOOR} or newer",
+        f"call gemrender before importing mitsuba, or start Python with {LLVM_VARIABLE}={library.path}",
+    )

@@ -1,0 +1,342 @@
+"""Stone files: TOML with proportions, a laboratory's angles or measured vertices; and plain CSV of vertices.
+
+Whatever is wrong with a file is told in one line: the file, the key, the value, and what is allowed.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import csv
+import difflib
+import os
+import sys
+import tomllib
+from collections.abc import Iterable, Iterator
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gemrender.errors import InputError
+from gemrender.stone.proportions import RoundBrilliant
+from gemrender.stone.solid import Stone
+from gemrender.stone.topology import N_VERTICES, VERTEX_LABELS
+
+__all__ = ["bundled_stones", "load_stone", "save_vertices"]
+
+#: Largest stone file [bytes]; 57 vertices with all their digits take less than 5000.
+MOST_BYTES = 1_000_000
+#: Longest line of a stone file [characters]. It also keeps numbers printable: Python refuses to print
+#: integers of more than 4300 digits, and TOML's hexadecimal ones may have any number.
+LONGEST_LINE = 1000
+#: Longest name of a stone [characters]: it has to fit into tables and file names.
+LONGEST_NAME = 100
+
+#: Keys of each section. Of the first three keys of a file (vertices is no section) there is exactly one.
+_SECTIONS: dict[str, tuple[str, ...]] = {
+    "proportions": (
+        "table", "star", "lower_girdle_contact", "crown_height", "pavilion_depth", "girdle_thickness",
+    ),
+    "angles": ("table", "crown_angle", "pavilion_angle", "star", "lower_half", "girdle_thickness"),
+    "material": ("name", "index"),
+}  # fmt: skip
+_SHAPES = ("proportions", "angles", "vertices")
+_TOP = ("name", *_SHAPES, "material")
+
+_COLUMNS = ("label", "x", "y", "z")
+_ROWS = "8 table corners, 8 star tips, 16 upper and 16 lower girdle vertices, 8 contacts, the culet"
+
+
+def load_stone(stone: str | os.PathLike[str]) -> Stone:
+    """Load a stone from a file, or a bundled stone by its name.
+
+    Parameters
+    ----------
+    stone : str or path-like
+        A TOML stone file, a CSV file of 57 vertices (label, x, y, z, in any unit of length), or a name of
+        `bundled_stones`. A file of that name wins over the bundled stone.
+
+    Returns
+    -------
+    Stone
+        Its `source` is the file.
+
+    Raises
+    ------
+    InputError
+        No such stone, a file that cannot be read, or one that makes no stone.
+    """
+    path = _find(os.fspath(stone))
+    if path.suffix.lower() == ".csv":
+        return _measured(path, name=_stem(path))
+    return _from_toml(path)
+
+
+def bundled_stones() -> list[str]:
+    """Return the names of the stones that come with gemrender, in alphabetical order."""
+    return sorted(_bundled())
+
+
+def save_vertices(stone: Stone, path: str | os.PathLike[str]) -> None:
+    """Write a stone's 57 vertices as CSV, with all their digits: loaded again they are equal to the last bit.
+
+    Parameters
+    ----------
+    stone : Stone
+        The stone; its vertices are written in its own frame [girdle radius].
+    path : str or path-like
+        File to write, ending in .csv; a file that is there is replaced.
+
+    Raises
+    ------
+    InputError
+        The file cannot be written.
+    """
+    rows = [
+        (label, *map(repr, xyz)) for label, xyz in zip(VERTEX_LABELS, stone.vertices.tolist(), strict=True)
+    ]
+    text = "".join(",".join(row) + "\n" for row in (_COLUMNS, *rows))
+    try:
+        Path(path).write_text(text, encoding="utf-8", newline="\n")
+    except (OSError, ValueError) as error:  # ValueError: a path with a null character
+        raise InputError(f"cannot be written ({_reason(error)})", source=os.fspath(path)) from error
+
+
+# ---- Finding and reading files -------------------------------------------------------------------------
+
+
+def _bundled() -> dict[str, Path]:
+    """Name and file of each bundled stone: in the package when installed, beside it in a checkout."""
+    package = Path(str(resources.files("gemrender")))
+    folder = next((f for f in (package / "scenes", package.parent / "scenes") if f.is_dir()), package)
+    return {path.stem: path for path in folder.glob("*.toml")}
+
+
+def _find(stone: str) -> Path:
+    path, bundled = Path(stone), _bundled()
+    if not stone.strip():
+        raise InputError(
+            f"must be a stone file or one of {', '.join(sorted(bundled))}", key="stone", value=stone
+        )
+    if stone in bundled and not path.is_file():  # a folder of that name may well hold earlier results
+        return bundled[stone]
+    return path
+
+
+def _no_such_file(path: Path) -> str:
+    if path.name != str(path):
+        return "no such file"
+    names = bundled_stones()
+    return f"no such file; the bundled stones are {', '.join(names)}{_did_you_mean(path.stem, names)}"
+
+
+def _read(path: Path, missing: str) -> list[str]:
+    """Read a text file's lines; `missing` is what to say where there is none."""
+    source = str(path)
+    try:
+        with path.open("rb") as file:
+            data = file.read(MOST_BYTES + 1)
+    except FileNotFoundError as error:
+        raise InputError(missing, source=source) from error
+    except (OSError, ValueError) as error:  # ValueError: a path with a null character
+        raise InputError(f"cannot be read ({_reason(error)})", source=source) from error
+    if len(data) > MOST_BYTES:
+        raise InputError(f"is no stone file: larger than {MOST_BYTES} bytes", source=source)
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InputError(f"must be text in UTF-8; byte {error.start + 1} is not", source=source) from error
+    if not text.strip():
+        raise InputError("is empty", source=source)
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    for number, line in enumerate(lines, start=1):
+        if len(line) > LONGEST_LINE:
+            raise InputError(
+                f"is {len(line)} characters long; at most {LONGEST_LINE} are allowed",
+                source=source,
+                key=f"line {number}",
+            )
+    return lines
+
+
+def _reason(error: Exception) -> str:
+    return (error.strerror if isinstance(error, OSError) else None) or str(error)
+
+
+def _stem(path: Path) -> str:
+    """Name a stone after its file, without what cannot be printed (as file names may have)."""
+    return "".join(c if c.isprintable() else "?" for c in path.stem).strip() or "stone"
+
+
+# ---- TOML ----------------------------------------------------------------------------------------------
+
+
+def _from_toml(path: Path) -> Stone:
+    source = str(path)
+    with _told_at(source):
+        top = _parse(_read(path, _no_such_file(path)))
+        _refuse_unknown(top, _TOP)
+        given = [key for key in _SHAPES if key in top]
+        if len(given) != 1:
+            allowed = "needs exactly one of [proportions], [angles] and vertices"
+            raise InputError(f"{allowed}; has {' and '.join(given) or 'none'}")
+        name, material = _name(top, path), _material(top)
+        shape = given[0]
+        if shape == "vertices":
+            return _measured(_vertices_path(top["vertices"], path), name=name, material=material, toml=path)
+        values = _section(top, shape)
+        if missing_keys := [key for key in _SECTIONS[shape] if key not in values]:
+            raise InputError(
+                f"missing {', '.join(missing_keys)}; needs {', '.join(_SECTIONS[shape])}", key=f"[{shape}]"
+            )
+    make = RoundBrilliant if shape == "proportions" else RoundBrilliant.from_angles
+    with _told_at(source, shape):
+        return Stone.from_proportions(make(**values), name=name, material=material, source=source)
+
+
+@contextlib.contextmanager
+def _told_at(source: str, section: str | None = None) -> Iterator[None]:
+    """Tell input errors as coming from a file, and a section of it, unless they know their own."""
+    try:
+        yield
+    except InputError as error:
+        if error.source is not None:
+            raise
+        raise error.at(source, section) from error
+
+
+def _parse(lines: list[str]) -> dict[str, Any]:
+    try:
+        return tomllib.loads("\n".join(lines))
+    except ValueError as error:  # TOMLDecodeError is one; so is the refusal of an integer with 4300 digits
+        raise InputError(f"is not TOML: {error}") from error
+    except RecursionError as error:
+        raise InputError("is not TOML that makes a stone: nested too deeply") from error
+
+
+def _section(top: dict[str, Any], section: str) -> dict[str, Any]:
+    values, keys = top[section], _SECTIONS[section]
+    if not isinstance(values, dict):
+        raise InputError(
+            f"must be a section: a line [{section}], and below it {', '.join(keys)}",
+            key=section,
+            value=values,
+        )
+    _refuse_unknown(values, keys, section)
+    return values
+
+
+def _refuse_unknown(values: dict[str, Any], known: Iterable[str], section: str = "") -> None:
+    for key, value in values.items():
+        if key in known:
+            continue
+        homes = [f"[{other}]" for other, keys in _SECTIONS.items() if key in keys]
+        hint = f"; it belongs in {' or '.join(homes)}" if homes else _did_you_mean(key, known)
+        raise InputError(
+            f"unknown key; must be one of {', '.join(known)}{hint}",
+            key=f"{section}.{key}" if section else key,
+            value=value,
+        )
+
+
+def _did_you_mean(word: str, known: Iterable[str]) -> str:
+    close = difflib.get_close_matches(word, known, n=1)
+    return f"; did you mean {close[0]}?" if close else ""
+
+
+def _name(top: dict[str, Any], path: Path) -> str:
+    name = top.get("name", _stem(path))
+    if not isinstance(name, str) or not name.strip() or not name.isprintable() or len(name) > LONGEST_NAME:
+        raise InputError(f"must be one line of 1 to {LONGEST_NAME} characters", key="name", value=name)
+    return name.strip()
+
+
+def _material(top: dict[str, Any]) -> str | float | None:
+    """Return the material's name or index; whether there is such a material is for the optics to say."""
+    if "material" not in top:
+        return None
+    material = _section(top, "material")
+    if len(material) != 1:
+        raise InputError(
+            f"needs exactly one of name and index; has {'both' if material else 'none'}", key="[material]"
+        )
+    if "name" in material:
+        name = material["name"]
+        if not isinstance(name, str) or not name.strip():
+            raise InputError("must be the name of a material, in quotes", key="material.name", value=name)
+        return name
+    index = material["index"]
+    number = isinstance(index, (int, float)) and not isinstance(index, bool)
+    if not number or not 1 < index <= sys.float_info.max:  # false for NaN too
+        raise InputError("must be a finite number above 1", key="material.index", value=index)
+    return float(index)
+
+
+def _vertices_path(vertices: object, toml: Path) -> Path:
+    if not isinstance(vertices, str) or not vertices.strip():
+        raise InputError(
+            f"must be the name of a CSV file with {N_VERTICES} rows {', '.join(_COLUMNS)}",
+            key="vertices",
+            value=vertices,
+        )
+    return toml.parent / vertices
+
+
+# ---- CSV -----------------------------------------------------------------------------------------------
+
+
+def _measured(
+    path: Path, *, name: str, material: str | float | None = None, toml: Path | None = None
+) -> Stone:
+    """Load the vertices that a TOML file names, or a bare CSV file."""
+    source = str(path)
+    missing = _no_such_file(path) if toml is None else f"no such file; named by vertices in {toml}"
+    with _told_at(source):
+        vertices = _vertices(_read(path, missing))
+        return Stone.from_vertices(vertices, name=name, material=material, source=str(toml or path))
+
+
+def _vertices(lines: list[str]) -> np.ndarray:
+    """Read 57 rows label, x, y, z: commas between the columns, # before comments, at most one header."""
+    labels: list[str] = []
+    rows: list[list[float]] = []
+    keys: list[str] = []
+    for number, line in enumerate(lines, start=1):
+        if not line.strip(" \t,") or line.lstrip().startswith("#"):
+            continue
+        key = f"row {len(rows) + 1} (line {number})"
+        try:
+            cells = [cell.strip() for cell in next(csv.reader([line], skipinitialspace=True, strict=True))]
+        except csv.Error as error:
+            raise InputError(f"is not CSV: {error}", key=key) from error
+        if len(cells) != len(_COLUMNS):
+            raise InputError(
+                f"must have the {len(_COLUMNS)} columns {', '.join(_COLUMNS)}, with commas between them and "
+                f"points in decimals; has {len(cells)}",
+                key=key,
+            )
+        if not rows and [cell[:1].lower() for cell in cells[1:]] == ["x", "y", "z"]:
+            continue
+        rows.append(
+            [_coordinate(f"{key}, {column}", cell) for column, cell in zip("xyz", cells[1:], strict=True)]
+        )
+        labels.append(cells[0])
+        keys.append(key)
+    if len(rows) != N_VERTICES:
+        raise InputError(f"must be {N_VERTICES}: {_ROWS}", key=f"{len(rows)} rows")
+    if sorted(labels) == sorted(VERTEX_LABELS):
+        for key, label, expected in zip(keys, labels, VERTEX_LABELS, strict=True):
+            if label != expected:
+                raise InputError(f"expected {expected}, got {label}", key=key)
+    return np.array(rows)
+
+
+def _coordinate(key: str, cell: str) -> float:
+    try:
+        number = float(cell if "_" not in cell else "")
+    except ValueError as error:
+        raise InputError("must be a number, with a point in decimals", key=key, value=cell) from error
+    if not abs(number) <= sys.float_info.max:
+        raise InputError("must be a finite number", key=key, value=cell)
+    return number

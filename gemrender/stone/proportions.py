@@ -1,0 +1,215 @@
+"""Proportions of a round brilliant, as the paper and as a laboratory report give them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from gemrender.errors import InputError
+from gemrender.stone.topology import (
+    CONTACT,
+    CULET,
+    GIRDLE_LOWER,
+    GIRDLE_UPPER,
+    N_VERTICES,
+    STAR_TIP,
+    TABLE_CORNER,
+)
+
+__all__ = ["ANGLE_RANGES", "RANGES", "RoundBrilliant", "smallest_star"]
+
+#: Allowed range of each proportion [%]. They keep a margin to the degenerate stones (no table, no crown,
+#: no pavilion, contact on the axis or beyond the girdle), where single precision cannot tell facets apart.
+#: With a table above 92.3 %, which is cos(pi/8), no star tip within the girdle lies below the table.
+RANGES: dict[str, tuple[float, float]] = {
+    "table": (5.0, 92.0),
+    "star": (1.0, 99.0),
+    "lower_girdle_contact": (1.0, 99.0),
+    "crown_height": (0.5, 60.0),
+    "pavilion_depth": (2.0, 100.0),
+    "girdle_thickness": (0.0, 50.0),
+}
+
+#: Allowed range of what only a laboratory report has: angles [deg] and the lower-half length [%].
+ANGLE_RANGES: dict[str, tuple[float, float]] = {
+    "crown_angle": (1.0, 75.0),
+    "pavilion_angle": (3.0, 63.0),
+    "lower_half": (1.0, 99.0),
+}
+
+_COS = math.cos(math.pi / 8)
+#: Star tips must lie below the table by at least this share of the crown height.
+_STAR_MARGIN = 1e-3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RoundBrilliant:
+    """The paper's proportions of a symmetric round brilliant [%].
+
+    Heights and the table are per cent of the girdle diameter, the star length and the lower-girdle
+    contact as below (`model.md`, section 2). Checked when made.
+
+    Parameters
+    ----------
+    table : float
+        TB, distance between opposite table corners [% of the girdle diameter].
+    star : float
+        The a of the paper's SU a:b: projected length of the star facet, as a share of the way from the
+        middle of a table edge to the girdle [%].
+    lower_girdle_contact : float
+        LG, radial distance of the point where two lower girdle facets meet two pavilion mains
+        [% of the girdle radius]; the lower-half length is 100 - LG.
+    crown_height, pavilion_depth, girdle_thickness : float
+        CH, PD and GH [% of the girdle diameter].
+
+    Raises
+    ------
+    InputError
+        A value is not a finite number, or makes no stone.
+    """
+
+    table: float
+    star: float
+    lower_girdle_contact: float
+    crown_height: float
+    pavilion_depth: float
+    girdle_thickness: float
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            low, high = RANGES[field.name]
+            value = _number(field.name, getattr(self, field.name), low, high)
+            object.__setattr__(self, field.name, value)
+        smallest = smallest_star(self.table)
+        if self.star < smallest:
+            raise InputError(
+                f"the star tips would lie above the table: for table = {self.table:g} % "
+                f"the star must be at least {smallest:.2f} %",
+                key="star",
+                value=self.star,
+            )
+
+    @classmethod
+    def from_angles(
+        cls,
+        *,
+        table: float,
+        crown_angle: float,
+        pavilion_angle: float,
+        star: float,
+        lower_half: float,
+        girdle_thickness: float,
+    ) -> RoundBrilliant:
+        """Make the proportions from what a laboratory report prints.
+
+        Angles are those of the mains to the girdle plane, measured in the axial plane through a main
+        (GIA; `materials.md`): crown height = (100 - table)/2 tan(crown angle), pavilion depth =
+        50 tan(pavilion angle), both in per cent of the girdle diameter.
+
+        Parameters
+        ----------
+        table, star, girdle_thickness : float
+            As in the paper [%]; the girdle at its thick places, where the mains meet it.
+        crown_angle, pavilion_angle : float
+            Angle between a main and the girdle plane [deg].
+        lower_half : float
+            Lower-half length, a horizontal projection: 100 - lower_girdle_contact [%].
+
+        Raises
+        ------
+        InputError
+            As for the class, told in the report's own terms.
+        """
+        table = _number("table", table, *RANGES["table"])
+        crown = _number("crown_angle", crown_angle, *ANGLE_RANGES["crown_angle"], unit="deg")
+        pavilion = _number("pavilion_angle", pavilion_angle, *ANGLE_RANGES["pavilion_angle"], unit="deg")
+        lower = _number("lower_half", lower_half, *ANGLE_RANGES["lower_half"])
+        crown_height = (100.0 - table) / 2.0 * math.tan(math.radians(crown))
+        pavilion_depth = 50.0 * math.tan(math.radians(pavilion))
+        for key, height in (("crown_height", crown_height), ("pavilion_depth", pavilion_depth)):
+            low, high = RANGES[key]
+            if not low <= height <= high:
+                angle = "crown_angle" if key == "crown_height" else "pavilion_angle"
+                raise InputError(
+                    f"gives a {key.replace('_', ' ')} of {height:.3g} %; must be from {low:g} to {high:g} %",
+                    key=angle,
+                    value=crown if key == "crown_height" else pavilion,
+                )
+        return cls(
+            table=table,
+            star=star,
+            lower_girdle_contact=100.0 - lower,
+            crown_height=crown_height,
+            pavilion_depth=pavilion_depth,
+            girdle_thickness=girdle_thickness,
+        )
+
+    @property
+    def crown_angle_deg(self) -> float:
+        """Angle between a bezel main and the girdle plane [deg]."""
+        return math.degrees(math.atan2(2 * self.crown_height, 100.0 - self.table))
+
+    @property
+    def pavilion_angle_deg(self) -> float:
+        """Angle between a pavilion main and the girdle plane [deg]."""
+        return math.degrees(math.atan2(2 * self.pavilion_depth, 100.0))
+
+    def vertices(self) -> np.ndarray:
+        """Return the 57 vertices in the paper's frame (`model.md`, section 2).
+
+        Returns
+        -------
+        (57, 3) float64
+            x, y, z [girdle radius], in the order of `topology.VERTEX_LABELS`; z = 0 at the girdle's
+            lower edge, table up, the first table corner at azimuth 0.
+        """
+        r_table = self.table / 100
+        crown, pavilion, girdle = (
+            2 * height / 100 for height in (self.crown_height, self.pavilion_depth, self.girdle_thickness)
+        )
+        edge = r_table * _COS
+        r_star = edge + self.star / 100 * (1 - edge)
+        r_contact = self.lower_girdle_contact / 100
+        z_star = girdle + crown * (1 - r_star * _COS) / (1 - r_table)
+        z_contact = -pavilion * (1 - r_contact * _COS)
+
+        step = np.pi / 8
+        even, odd, every = 2 * step * np.arange(8), step * (2 * np.arange(8) + 1), step * np.arange(16)
+        out = np.empty((N_VERTICES, 3))
+        out[TABLE_CORNER] = _ring(even, r_table, girdle + crown)
+        out[STAR_TIP] = _ring(odd, r_star, z_star)
+        out[GIRDLE_UPPER] = _ring(every, 1.0, girdle)
+        out[GIRDLE_LOWER] = _ring(every, 1.0, 0.0)
+        out[CONTACT] = _ring(odd, r_contact, z_contact)
+        out[CULET] = (0.0, 0.0, -pavilion)
+        return out
+
+
+def smallest_star(table: float) -> float:
+    """Return the star length [%] below which the star tips rise to the table of this size [%].
+
+    The tip lies on the bezel main's plane, which has left the table's height where
+    r_s cos(pi/8) > r_t; a small share of the crown height is kept as margin.
+    """
+    r_table = table / 100
+    edge = r_table * _COS
+    r_star = (r_table + _STAR_MARGIN * (1 - r_table)) / _COS
+    return 100 * (r_star - edge) / (1 - edge)
+
+
+def _ring(azimuth: np.ndarray, radius: float, z: float) -> np.ndarray:
+    return np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), np.full_like(azimuth, z)], axis=-1)
+
+
+def _number(key: str, value: object, low: float, high: float, unit: str = "%") -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+        raise InputError(f"must be a number from {low:g} to {high:g} [{unit}]", key=key, value=value)
+    try:
+        number = float(value)
+    except OverflowError:  # an integer beyond the largest float
+        number = math.inf
+    if not low <= number <= high:  # false for NaN too
+        raise InputError(f"must be from {low:g} to {high:g} [{unit}]", key=key, value=value)
+    return number

@@ -1,0 +1,58 @@
+"""Fixtures: one for each variant that gemrender works in, and random numbers with a fixed seed.
+
+A test that needs Mitsuba takes one of the variant fixtures and imports what it likes::
+
+    def test01_weight_is_one(variant_llvm_ad_mono): ...   # in this variant
+    def test02_survives(variants_all): ...                # once in each
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from gemrender.errors import BackendError
+from gemrender.render.backend import ensure_variant, prepare_llvm
+
+# Dr.Jit loads its LLVM while it is imported, and test modules import it. Where there is none, the variant
+# fixtures say so, and the tests that need no Mitsuba still run.
+with contextlib.suppress(BackendError):
+    prepare_llvm()
+
+
+def _variant(name: str) -> Iterator[str]:
+    """Switch the variant on; afterwards wait for its kernels, so that a failure shows up in its own test."""
+    yield ensure_variant(name)
+
+    import drjit as dr
+
+    dr.sync_thread()
+    dr.kernel_history_clear()
+
+
+@pytest.fixture
+def variant_llvm_ad_mono() -> Iterator[str]:
+    yield from _variant("llvm_ad_mono")
+
+
+@pytest.fixture
+def variant_llvm_ad_rgb() -> Iterator[str]:
+    yield from _variant("llvm_ad_rgb")
+
+
+@pytest.fixture
+def variant_llvm_ad_spectral() -> Iterator[str]:
+    yield from _variant("llvm_ad_spectral")
+
+
+@pytest.fixture(params=["llvm_ad_mono", "llvm_ad_rgb", "llvm_ad_spectral"])
+def variants_all(request: pytest.FixtureRequest) -> Iterator[str]:
+    yield from _variant(request.param)
+
+
+@pytest.fixture
+def rng() -> np.random.Generator:
+    return np.random.default_rng(seed=12345)

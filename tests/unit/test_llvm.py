@@ -1,0 +1,178 @@
+"""Finding LLVM and refusing what cannot work; no test needs an LLVM of the system."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+from gemrender.errors import BackendError
+from gemrender.render import llvm
+
+
+@pytest.fixture(autouse=True)
+def _machine(monkeypatch, tmp_path):
+    """A Linux machine on x86-64 that has no LLVM at all; the environment is restored afterwards."""
+    monkeypatch.setenv(llvm.LLVM_VARIABLE, "restored afterwards, whatever the test sets")
+    monkeypatch.delenv(llvm.LLVM_VARIABLE)
+    monkeypatch.setattr(llvm.platform, "system", lambda: "Linux")
+    monkeypatch.setattr(llvm.platform, "machine", lambda: "x86_64")
+    monkeypatch.setattr(llvm, "_wheel_paths", lambda: iter(()))
+    monkeypatch.setattr(llvm, "_system_folders", lambda: iter([tmp_path]))
+    monkeypatch.setattr(llvm.ctypes.util, "find_library", lambda name: None)
+
+
+def library(folder: Path, name: str, *links: str) -> Path:
+    """Make a fake library in the folder, with links to it in a chain; return the last of them."""
+    folder.mkdir(exist_ok=True)
+    path = folder / name
+    path.write_bytes(b"")
+    for link in links:
+        (folder / link).symlink_to(path.name)
+        path = folder / link
+    return path
+
+
+def test_variable_wins_over_the_system(monkeypatch, tmp_path):
+    library(tmp_path, "libLLVM.so.23.1")
+    named = library(tmp_path / "own", "libLLVM-18.so.1")
+    monkeypatch.setenv("DRJIT_LIBLLVM_PATH", str(named))
+    assert llvm.find_llvm() == llvm.LlvmLibrary(path=named, origin="DRJIT_LIBLLVM_PATH", version=18)
+
+
+def test_variable_is_final(monkeypatch, tmp_path):
+    library(tmp_path, "libLLVM.so.23.1")
+    monkeypatch.setenv("DRJIT_LIBLLVM_PATH", str(tmp_path / "absent.so"))
+    with pytest.raises(
+        BackendError, match=r"absent\.so, which is no file; to cure it: unset DRJIT_LIBLLVM_PATH"
+    ):
+        llvm.find_llvm()
+
+
+def test_empty_variable_is_as_none(monkeypatch, tmp_path):
+    library(tmp_path, "libLLVM.so.23.1")
+    monkeypatch.setenv("DRJIT_LIBLLVM_PATH", "")
+    assert llvm.find_llvm().origin == "system"
+
+
+def test_variable_with_a_bare_name_is_looked_up_by_the_loader(monkeypatch):
+    monkeypatch.setenv("DRJIT_LIBLLVM_PATH", "libLLVM-no-such-library.so")
+    with pytest.raises(BackendError, match="cannot be loaded"):
+        llvm.find_llvm()
+
+
+def test_file_that_is_no_library_is_refused(monkeypatch, tmp_path):
+    monkeypatch.setenv("DRJIT_LIBLLVM_PATH", str(library(tmp_path, "libLLVM.so")))
+    with pytest.raises(BackendError, match="cannot be loaded"):
+        llvm.find_llvm()
+
+
+@pytest.mark.parametrize("name", ["libLLVM-14.so.1", "libLLVM-15.0.6.so.1", "libLLVM.so.16.0"])
+def test_old_version_is_refused_by_its_name(monkeypatch, tmp_path, name):
+    monkeypatch.setenv("DRJIT_LIBLLVM_PATH", str(library(tmp_path, name)))
+    with pytest.raises(BackendError, match="of version 17 or newer"):
+        llvm.find_llvm()
+
+
+def test_old_version_is_refused_through_links(monkeypatch, tmp_path):
+    link = library(tmp_path, "libLLVM-15.so.1", "libLLVM-15.so", "libLLVM.so")
+    monkeypatch.setenv("DRJIT_LIBLLVM_PATH", str(link))
+    with pytest.raises(BackendError, match=r"libLLVM\.so, which is LLVM 15: below 17"):
+        llvm.find_llvm()
+
+
+def test_library_before_16_cannot_tell_its_version_and_is_refused(monkeypatch, tmp_path):
+    monkeypatch.setattr(llvm, "_asked_version", lambda path: 0)
+    monkeypatch.setenv("DRJIT_LIBLLVM_PATH", str(library(tmp_path, "libLLVM.so")))
+    with pytest.raises(BackendError, match="an LLVM before 16"):
+        llvm.find_llvm()
+
+
+def test_version_that_cannot_be_told_is_left_to_the_check_after_the_import(monkeypatch, tmp_path):
+    monkeypatch.setattr(llvm, "_asked_version", lambda path: None)
+    monkeypatch.setenv("DRJIT_LIBLLVM_PATH", str(library(tmp_path, "libLLVM.so")))
+    assert llvm.find_llvm().version is None
+
+
+@pytest.mark.parametrize(
+    ("name", "version"),
+    [
+        ("libLLVM-15.so.1", 15),
+        ("libLLVM-14.0.6.so.1", 14),
+        ("libLLVM-3.9.so.1", 3),
+        ("libLLVM.so.23.1", 23),
+        ("libLLVM-19.so", 19),
+        ("libLLVM-19.dylib", 19),
+    ],
+)
+def test_version_is_read_from_the_name(tmp_path, name, version):
+    assert llvm._major_version(library(tmp_path, name)) == version
+
+
+def test_version_is_read_from_the_folder_of_homebrew():
+    path = Path("/opt/homebrew/Cellar/llvm@20/20.1.8/lib/libLLVM.dylib")
+    assert llvm._major_version(path) == 20
+
+
+def test_library_tells_the_version_of_its_name(monkeypatch):
+    monkeypatch.undo()
+    path = next(llvm._wheel_paths(), None)
+    if path is None:
+        pytest.skip("karellen-llvm-core is not installed")
+    assert llvm._asked_version(str(path)) == llvm._major_version(path)
+
+
+def test_wheel_is_found_and_preferred(monkeypatch, tmp_path):
+    monkeypatch.undo()
+    monkeypatch.delenv("DRJIT_LIBLLVM_PATH", raising=False)
+    path = library(tmp_path / "lib", "libLLVM.so.22.1", "libLLVM.so")
+    info = tmp_path / "site" / "karellen_llvm_core-22.1.0.dist-info"
+    info.mkdir(parents=True)
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: karellen-llvm-core\nVersion: 22.1.0\n")
+    (info / "RECORD").write_text("../lib/libLLVM.so,,\n../lib/libLLVM.so.22.1,,\n../lib/libLTO.so,,\n")
+    monkeypatch.setattr(sys, "path", [str(info.parent), *sys.path])
+    assert llvm.find_llvm() == llvm.LlvmLibrary(path=path.resolve(), origin="wheel", version=22)
+
+
+def test_highest_version_of_the_system_wins(tmp_path):
+    for name in ("libLLVM-9.so.1", "libLLVM-17.so.1", "libLLVM.so.19.1", "libLLVM-15.so.1"):
+        library(tmp_path, name)
+    found = llvm.find_llvm()
+    assert (found.path.name, found.origin) == ("libLLVM.so.19.1", "system")
+
+
+def test_library_of_rust_is_passed_over(tmp_path):
+    library(tmp_path, "libLLVM.so.21.1-rust-1.90.0-stable")
+    with pytest.raises(BackendError, match="no LLVM library found"):
+        llvm.find_llvm()
+
+
+def test_only_old_libraries_are_named_with_the_cure(tmp_path):
+    library(tmp_path, "libLLVM-15.so.1")
+    with pytest.raises(
+        BackendError, match=r'libLLVM-15\.so\.1 \(15\), and .* 17 or newer; to cure it: pip install "karellen'
+    ):
+        llvm.find_llvm()
+
+
+def test_cure_without_a_wheel_is_the_distribution(monkeypatch):
+    monkeypatch.setattr(llvm.platform, "machine", lambda: "aarch64")
+    with pytest.raises(BackendError, match="apt-get install libllvm19"):
+        llvm.find_llvm()
+
+
+def test_prepare_names_the_library_to_drjit(tmp_path):
+    path = library(tmp_path, "libLLVM.so.19.1")
+    llvm.prepare_llvm()
+    assert os.environ["DRJIT_LIBLLVM_PATH"] == str(path)
+
+
+def test_library_that_misses_another_is_told_with_the_package(monkeypatch):
+    def fail(path):
+        raise OSError("libz.so.1: cannot open shared object file: No such file or directory")
+
+    monkeypatch.setattr(llvm, "_asked_version", fail)
+    with pytest.raises(BackendError, match=r"cannot load LLVM .*; to cure it: apt-get install zlib1g$"):
+        llvm.require_loadable(llvm.LlvmLibrary(path=Path("libLLVM.so"), origin="wheel", version=23))
