@@ -110,12 +110,13 @@ def crosscheck(first: Observation, second: Observation) -> CrossCheck:
     Raises
     ------
     ValueError
-        The views or the models differ.
+        The stones, the views or the models differ.
     """
     import numpy as np
 
-    if first.view != second.view or first.model != second.model:
-        raise ValueError("the observations are of different views or models")
+    same_stone = np.array_equal(first.stone.vertices, second.stone.vertices)
+    if not same_stone or first.view != second.view or first.model != second.model:
+        raise ValueError("the observations are of different stones, views or models")
     met = (first.coverage > 0) | (second.coverage > 0)
     rays = int(np.count_nonzero(met))
     same_status = met & (first.status == second.status)

@@ -11,12 +11,58 @@ if TYPE_CHECKING:
     from gemrender.observation import Observation
     from gemrender.stone import Stone
 
-__all__ = ["DEFAULT_ENGINE", "DEFAULT_RESOLUTION", "DEFAULT_VARIANT", "ENGINES", "observe"]
+__all__ = [
+    "DEFAULT_ENGINE",
+    "DEFAULT_RESOLUTION",
+    "DEFAULT_VARIANT",
+    "ENGINES",
+    "VARIANTS",
+    "observe",
+    "require_engine",
+]
 
 ENGINES = ("mitsuba", "reference")
 DEFAULT_ENGINE = "mitsuba"
+#: The variants of Mitsuba's wheels but the scalar ones, which are too slow for plugins in Python.
+VARIANTS = tuple(
+    f"{backend}_ad_{colour}"
+    for backend in ("llvm", "cuda")
+    for colour in ("rgb", "mono", "mono_polarized", "spectral", "spectral_polarized")
+)
 DEFAULT_VARIANT = "llvm_ad_mono"
+#: Pixels a side.
 DEFAULT_RESOLUTION = 1024
+
+
+def require_engine(engine: str, variant: str = DEFAULT_VARIANT) -> None:
+    """Check that an engine can trace here, before any work is done for it.
+
+    Parameters
+    ----------
+    engine : {"mitsuba", "reference"}
+        Which tracer. For Mitsuba, the variant is set, and left set.
+    variant : str
+        Mitsuba variant. The reference makes no use of it and needs no Mitsuba, but a name that no variant
+        has is refused all the same: it is a slip.
+
+    Raises
+    ------
+    InputError
+        Unknown engine or variant.
+    BackendError
+        Mitsuba cannot run here.
+    """
+    if engine not in ENGINES:
+        raise InputError(f"must be one of {', '.join(ENGINES)}", key="engine", value=engine)
+    if engine == "mitsuba":
+        from gemrender.render.backend import ensure_variant
+
+        try:
+            ensure_variant(variant)
+        except InputError as error:
+            raise InputError(error.allowed, key="variant", value=variant) from error
+    elif variant not in VARIANTS:
+        raise InputError(f"must be one of {', '.join(VARIANTS)}", key="variant", value=variant)
 
 
 def observe(
@@ -43,7 +89,7 @@ def observe(
     resolution : int
         Pixels a side of the square map.
     variant : str
-        Mitsuba variant; the reference has none.
+        Mitsuba variant, which is set and left set; the reference makes no use of it.
     fresnel : {"gubelin", "exact"}, optional
         Transmittance law; by default Gübelin's table for diamond, Fresnel's equations for other stones.
     rear : {"position", "direction"}
@@ -64,10 +110,9 @@ def observe(
     """
     from gemrender.observation import Model, View
 
-    if engine not in ENGINES:
-        raise InputError(f"must be one of {', '.join(ENGINES)}", key="engine", value=engine)
     model = Model.of(stone, fresnel=fresnel, rear=rear, intensity=intensity)
     view = View.of(stone, resolution, tilt_deg=tilt_deg, tilt_azimuth_deg=tilt_azimuth_deg)
+    require_engine(engine, variant)
     if engine == "reference":
         from gemrender.reference import observe as by_reference
 

@@ -59,5 +59,6 @@ class BackendError(GemrenderError, RuntimeError):
 
 
 def _one_line(text: str, most: int = 60) -> str:
-    text = " ".join(text.split())
+    # A file's name may hold anything, commands to the terminal included.
+    text = " ".join("".join(c if c.isprintable() or c.isspace() else "\ufffd" for c in text).split())
     return text if len(text) <= most else text[: most - 1] + "…"

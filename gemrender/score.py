@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from gemrender.engines import DEFAULT_ENGINE, observe
+from gemrender.errors import InputError
 
 if TYPE_CHECKING:
     from gemrender.observation import Observation
@@ -15,6 +16,11 @@ __all__ = ["BAND_EDGES", "Band", "Score", "score", "score_observation"]
 
 #: Lower edges of the bands of intensity [%], brightest first (`model.md`, section 1).
 BAND_EDGES = (75.0, 60.0, 45.0, 30.0, 15.0, 0.0)
+
+#: The keys of the JSON that scripts rely on, in their order; further keys come after them.
+_CONTRACT = (
+    "name", "average", "rear", "bands", "trapped", "engine", "variant", "resolution", "fresnel", "seconds",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,6 +62,8 @@ class Score:
         What traced it; the reference has no variant.
     resolution : int
         Pixels a side.
+    tilt_deg, tilt_azimuth_deg : float
+        Tilt of the eye from the stone's axis, and the azimuth it is tilted to [deg].
     fresnel, rear_rule, intensity : str
         The model's options.
     index : float
@@ -73,6 +81,8 @@ class Score:
     engine: str
     variant: str
     resolution: int
+    tilt_deg: float = 0.0
+    tilt_azimuth_deg: float = 0.0
     fresnel: str
     rear_rule: str
     intensity: str
@@ -81,19 +91,19 @@ class Score:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the score as the command line's JSON has it."""
-        out = asdict(self)
-        out["bands"] = [{"from": b.low, "to": b.high, "share": b.share} for b in self.bands]
-        return out
+        values = asdict(self)
+        values["bands"] = [{"from": b.low, "to": b.high, "share": b.share} for b in self.bands]
+        return {key: values.pop(key) for key in _CONTRACT} | values
 
 
 def score_observation(observation: Observation) -> Score:
     """Score the maps of an observation.
 
-    Averages are over the pixels whose ray met the stone: equal cells of the top view.
+    All shares are of the pixels whose ray met the stone: equal cells of the top view.
 
     Raises
     ------
-    ValueError
+    InputError
         No ray met the stone (a map of too few pixels).
     """
     import numpy as np
@@ -103,29 +113,32 @@ def score_observation(observation: Observation) -> Score:
     met = observation.coverage > 0
     area = int(np.count_nonzero(met))
     if area == 0:
-        raise ValueError("no ray met the stone")
+        resolution = observation.view.resolution
+        raise InputError("must be larger, no ray met the stone", key="resolution", value=resolution)
     intensity = observation.primary_intensity
     lit = (observation.status == RayStatus.EXITED) & (observation.rear_mask == 0)
 
     def share(mask: np.ndarray) -> float:
         return 100.0 * float(np.count_nonzero(mask)) / area
 
-    bands, high = [], np.inf
-    for low in BAND_EDGES:
-        inside = share(lit & (intensity >= low) & (intensity < high))
-        bands.append(Band(low=low, high=None if np.isinf(high) else float(high), share=inside))
-        high = low
-    model = observation.model
+    uppers = (None, *BAND_EDGES[:-1])
+    bands = tuple(
+        Band(low=low, high=high, share=share(lit & (intensity >= low) & (intensity < (high or np.inf))))
+        for low, high in zip(BAND_EDGES, uppers, strict=True)
+    )
+    model, view = observation.model, observation.view
     return Score(
         name=observation.stone.name,
         average=float(intensity.sum(dtype=np.float64)) / area,
-        rear=100.0 * float(observation.rear_mask.sum(dtype=np.float64)) / area,
-        bands=tuple(bands),
+        rear=share(observation.rear_mask > 0),
+        bands=bands,
         trapped=share(observation.status == RayStatus.TRAPPED),
         lost=share(observation.status == RayStatus.LOST),
         engine=observation.engine,
         variant=observation.variant,
-        resolution=observation.view.resolution,
+        resolution=int(view.resolution),
+        tilt_deg=float(view.tilt_deg),
+        tilt_azimuth_deg=float(view.tilt_azimuth_deg),
         fresnel=model.fresnel,
         rear_rule=model.rear,
         intensity=model.intensity,

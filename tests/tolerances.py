@@ -29,3 +29,13 @@ QUADRATURE_VOLUME = 1e-6
 
 #: Points that one bisection, or the fixed point of the edge, puts on a measured stone's wall.
 MEASURED_WALL = 1e-12
+
+#: Normals of a measured wall at the corners of neighbouring faces: they are taken 1e-6 of a face inside it,
+#: and a face's normals turn by pi / 8 / ARC_SEGMENTS; with that of thin faces some times as much.
+CORNER_NORMAL = 10 * 1e-6 * math.pi / 8 / ARC_SEGMENTS
+
+#: By how much a wall measured to 1e-3 bends at its vertices [rad]: changes of radius over pi / 8.
+WALL_BEND = 0.01
+
+#: Angles by arccos of a normal's component [deg]: rounding, in degrees, over the sine of the angle.
+ANGLE_DEG = 1e-12 * 180 / math.pi

@@ -20,7 +20,7 @@ INDICES: dict[str, float] = {
     "sapphire": 1.76808,
     "spinel": 1.7161,
     "strontium titanate": 2.4080,
-    "yag": 1.8327,
+    "yag": 1.8326,
 }
 
 #: Allowed range of a refractive index given as a number.

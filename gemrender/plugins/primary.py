@@ -42,8 +42,9 @@ AOV_NAMES = (
 #: of the mesh's girdle (4.7e-6) and single precision's rounding at distance 1 (6e-8).
 RAY_OFFSET = 1e-5
 
-#: Further queries, each from a place beside the last, before a ray that met nothing counts as lost.
-MOST_RETRIES = 3
+#: Further queries, beyond a surface that was passed by or from a place beside the last, before a ray counts
+#: as lost.
+MOST_RETRIES = 8
 
 
 class PrimaryIntegrator(mi.SamplingIntegrator):
@@ -165,6 +166,14 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         with dr.suspend_grad():
             return self._measure(scene, ray, self._follow(scene, mi.Ray3f(ray), mi.Bool(active)))
 
+    def to_string(self) -> str:
+        """Describe the integrator in Mitsuba's manner."""
+        return (
+            f"PrimaryIntegrator[\n  int_ior = {self.int_ior[0]:g},\n  ext_ior = {self.ext_ior[0]:g},\n"
+            f"  fresnel = {self.fresnel},\n  rear = {self.rear},\n  intensity = {self.intensity},\n"
+            f"  max_reflections = {self.max_reflections[0]}\n]"
+        )
+
     @dr.syntax
     def _follow(self, scene, ray, active):  # type: ignore[no-untyped-def]  # dr.syntax reads the source
         eta = self.int_ior / self.ext_ior
@@ -174,8 +183,8 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         si = scene.ray_intersect(ray, active)
         hit = active & si.is_valid()
         entry_facet, n, offset = _surface(si, hit)
-        d = mi.Vector3d(ray.d)
-        p, n = _meet(mi.Point3d(ray.o), d, si, entry_facet, n, offset)
+        d = dr.normalize(mi.Vector3d(ray.d))
+        p, n = _meet(mi.Point3d(ray.o), d, si, mi.Float64(si.t), entry_facet, n, offset, entering=True)
         cos_air_eye = -dr.dot(n, d)
         hit &= cos_air_eye > 0
         sin2 = (1 - dr.square(cos_air_eye)) / dr.square(eta)
@@ -197,16 +206,18 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         cos_air = mi.Float64(1)  # of the angle outside
 
         while dr.hint(inside, label="gem_primary"):
-            si = scene.ray_intersect(mi.Ray3f(start, mi.Vector3f(d)), mi.RayFlags.Minimal, False, inside)
+            si = scene.ray_intersect(mi.Ray3f(start, mi.Vector3f(d)), mi.RayFlags.ShadingFrame, False, inside)
             found = inside & si.is_valid()
             facet_here, n, offset = _surface(si, found)
-            q, n = _meet(p, d, si, facet_here, n, offset)
+            to_mesh = dr.dot(mi.Point3d(start) - p, d) + mi.Float64(si.t)
+            q, n = _meet(p, d, si, to_mesh, facet_here, n, offset)
             cos_i = dr.dot(n, d)
             found &= cos_i > 0
-            # A ray may slip through an edge in single precision: try again from beside it.
+            # What faces the other way is passed by; a ray may also slip through an edge in single precision.
             retries = dr.select(found, 0, retries + 1)
             again = inside & ~found & (retries <= MOST_RETRIES)
             status[inside & ~found & ~again] = mi.UInt32(int(RayStatus.LOST))
+            beyond = mi.Point3f(mi.Point3d(start) + (mi.Float64(si.t) + RAY_OFFSET) * d)
             p = dr.select(found, q, p)
             code = dr.select(
                 found, (code * PATH_CODE_FACTOR + mi.UInt32(facet_here) + 1) & PATH_CODE_MASK, code
@@ -225,7 +236,8 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
             d = dr.select(exits, refracted, dr.select(reflects, d - 2 * cos_i * n, d))
             reflections[reflects] += 1
             inside = reflects | again
-            start = _query_start(p, d, facet_here, retries)
+            passes_by = again & si.is_valid()
+            start = dr.select(passes_by, beyond, _query_start(p, d, facet_here, retries))
 
         return _Path(
             hit=hit,
@@ -355,23 +367,26 @@ def _meet(
     p: mi.Point3d,
     d: mi.Vector3d,
     si: mi.SurfaceInteraction3f,
+    to_mesh: mi.Float64,
     facet: mi.Float,
     n: mi.Vector3d,
     offset: mi.Float64,
+    *,
+    entering: bool = False,
 ) -> tuple[mi.Point3d, mi.Vector3d]:
-    """Where the ray p + t d meets the surface, and the outward normal there."""
+    """Return where the ray p + t d meets the surface, and the outward normal there."""
     is_girdle = facet == GIRDLE
     on_plane = (offset - dr.dot(n, p)) / dr.dot(n, d)
-    # A round girdle is the cylinder of radius `offset`, left through the farther root; of a measured one
-    # the mesh is taken for the wall.
+    # A round girdle is the cylinder of radius `offset`, entered through the nearer root and left through
+    # the farther one; of a measured girdle the mesh is taken for the wall.
     a = dr.square(d.x) + dr.square(d.y)
     b = p.x * d.x + p.y * d.y
     c = dr.square(p.x) + dr.square(p.y) - dr.square(offset)
     root = dr.safe_sqrt(dr.square(b) - a * c)
-    on_wall = dr.select(offset > 0, (-b + root) / a, mi.Float64(si.t))
+    on_wall = dr.select(offset > 0, (-b - root if entering else -b + root) / a, to_mesh)
     q = p + dr.select(is_girdle, on_wall, on_plane) * d
     radial = mi.Vector3d(q.x, q.y, 0) * dr.rsqrt(dr.square(q.x) + dr.square(q.y))
-    return q, dr.select(is_girdle, radial, n)
+    return q, dr.select(is_girdle, dr.select(offset > 0, radial, mi.Vector3d(si.sh_frame.n)), n)
 
 
 def _choice(props: mi.Properties, key: str, allowed: tuple[str, ...]) -> str:

@@ -33,6 +33,10 @@ _OPPOSITE = np.full(N_TRIANGLES, -1)
 _OPPOSITE[_UPPER], _OPPOSITE[_LOWER] = _LOWER, _UPPER
 
 
+#: A measured wall is searched for in so many steps between two cylinders, then by halving to rounding.
+_WALL_STEPS = 16
+_WALL_HALVINGS = 46
+
 #: Rays tested at a time: their distances to 79 surfaces stay in a core's cache.
 _CHUNK = 2048
 
@@ -135,9 +139,8 @@ class Surfaces:
         triangle = np.where(on_girdle, 0, surface)
         normal = self.stone.triangle_normals[triangle]
         facet = np.where(on_girdle, GIRDLE, TRIANGLE_FACET[triangle])
-        radial = origin[on_girdle, :2] + distance[on_girdle, None] * direction[on_girdle, :2]
-        normal[on_girdle, :2] = radial / np.linalg.norm(radial, axis=1, keepdims=True)
-        normal[on_girdle, 2] = 0.0
+        on_wall = origin[on_girdle] + distance[on_girdle, None] * direction[on_girdle]
+        normal[on_girdle] = self.stone.girdle.normals(on_wall)
         return distance, np.where(met, facet, -1), normal
 
     def _within(self, triangle: np.ndarray, point: np.ndarray) -> np.ndarray:
@@ -159,36 +162,72 @@ class Surfaces:
 
     def _girdle_distance(self, origin: np.ndarray, direction: np.ndarray, inside: bool) -> np.ndarray:
         """Distance to the girdle's wall, (n,); infinite for rays that miss it."""
-        a = direction[:, 0] ** 2 + direction[:, 1] ** 2
-        b = origin[:, 0] * direction[:, 0] + origin[:, 1] * direction[:, 1]
-        c = origin[:, 0] ** 2 + origin[:, 1] ** 2 - self.stone.girdle.largest_radius**2
-        root = b * b - a * c
-        meets = (a > 0.0) & (root >= 0.0)  # a vertical ray is parallel to the wall
-        out = np.full(len(origin), np.inf)
-        if not meets.any():
-            return out
-        o, d = origin[meets], direction[meets]
-        a, b, root = a[meets], b[meets], np.sqrt(root[meets])
-        t = (-b + root) / a if inside else (-b - root) / a
-        if not self.stone.girdle.is_round:
-            t = self._measured_wall(o, d, np.maximum(-b / a, 0.0) if inside else -b / a, t)
-        ok = t >= -EDGE_TOLERANCE
+        girdle = self.stone.girdle
+        if girdle.is_round:
+            t = _cylinder(origin, direction, 1.0)[1 if inside else 0]
+        else:
+            t = self._measured_wall(origin, direction, inside)
+        ok = np.flatnonzero(np.isfinite(t) & (t >= -EDGE_TOLERANCE))
+        if not girdle.is_round:
+            normals = girdle.normals(origin[ok] + t[ok, None] * direction[ok])
+            facing = np.einsum("ij,ij->i", direction[ok], normals)
+            ok = ok[facing > 0.0 if inside else facing < 0.0]
         if not inside:
-            ok &= self._on_girdle(o + t[:, None] * d)
-        out[meets] = np.where(ok, t, np.inf)
+            ok = ok[self._on_girdle(origin[ok] + t[ok, None] * direction[ok])]
+        out = np.full(len(origin), np.inf)
+        out[ok] = t[ok]
         return out
 
-    def _measured_wall(
-        self, origin: np.ndarray, direction: np.ndarray, inner: np.ndarray, outer: np.ndarray
-    ) -> np.ndarray:
-        """Bisect for the measured wall between a point inside it and one outside it."""
-        for _ in range(60):
-            middle = 0.5 * (inner + outer)
-            p = origin + middle[:, None] * direction
+    def _measured_wall(self, origin: np.ndarray, direction: np.ndarray, inside: bool) -> np.ndarray:
+        """First distance (n,) at which rays cross the measured wall outwards, or inwards; else infinite."""
+        # The wall lies between two cylinders and between two heights.
+        girdle = self.stone.girdle
+        near, far = _cylinder(origin, direction, girdle.largest_radius)
+        near_inner, far_inner = _cylinder(origin, direction, girdle.smallest_radius)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            heights = np.array([girdle.lower[:, 2].min(), girdle.upper[:, 2].max()])
+            levels = np.sort((heights[:, None] - origin[:, 2]) / direction[:, 2], axis=0)
+        first = np.fmax(np.maximum(near, 0.0), levels[0])
+        last = np.fmin(far, levels[1])
+        if inside:
+            first = np.where(np.isfinite(far_inner), np.maximum(first, far_inner), first)
+        else:
+            last = np.where(
+                np.isfinite(near_inner) & (near_inner > first), np.minimum(last, near_inner), last
+            )
+        possible = np.flatnonzero(last > first)
+        out = np.full(len(origin), np.inf)
+        first, last, origin, direction = (
+            first[possible],
+            last[possible],
+            origin[possible],
+            direction[possible],
+        )
+
+        def crossed(t: np.ndarray) -> np.ndarray:
+            p = origin + t[:, None] * direction
             is_out = np.hypot(p[:, 0], p[:, 1]) > self.stone.girdle.radius(p[:, 0], p[:, 1], p[:, 2])
-            outer = np.where(is_out, middle, outer)
-            inner = np.where(is_out, inner, middle)
-        return np.asarray(0.5 * (inner + outer))
+            return np.asarray(is_out == inside)
+
+        # The start counts as not crossed: it is the surface just left, or the cylinder's outside.
+        found = np.zeros(len(origin), dtype=bool)
+        low, high = first.copy(), np.full(len(origin), np.inf)
+        for k in range(1, _WALL_STEPS + 1):
+            t = first + (last - first) * (k / _WALL_STEPS)
+            beyond = crossed(t) & ~found
+            high[beyond] = t[beyond]
+            found |= beyond
+            low[~found] = t[~found]
+        searched = np.flatnonzero(found)
+        lo, hi = low[searched], high[searched]
+        origin, direction = origin[searched], direction[searched]
+        for _ in range(_WALL_HALVINGS):
+            middle = 0.5 * (lo + hi)
+            beyond = crossed(middle)
+            hi, lo = np.where(beyond, middle, hi), np.where(beyond, lo, middle)
+        high[searched] = 0.5 * (lo + hi)
+        out[possible] = high
+        return out
 
     def _on_girdle(self, p: np.ndarray) -> np.ndarray:
         """Whether points of the wall lie between the facets above and below the girdle."""
@@ -207,3 +246,21 @@ class Surfaces:
         angles[0] = 0.0
         azimuth = (np.arctan2(p[:, 1], p[:, 0]) - start) % (2 * np.pi)
         return np.asarray(np.searchsorted(angles, azimuth, side="right") - 1)
+
+
+def _cylinder(origin: np.ndarray, direction: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
+    """Distances (n,) at which rays enter and leave the vertical cylinder.
+
+    Infinite, and minus infinite, where they miss it; vertical rays stay inside or outside for ever.
+    """
+    a = direction[:, 0] ** 2 + direction[:, 1] ** 2
+    b = origin[:, 0] * direction[:, 0] + origin[:, 1] * direction[:, 1]
+    c = origin[:, 0] ** 2 + origin[:, 1] ** 2 - radius**2
+    root = b * b - a * c
+    near, far = np.full(len(origin), np.inf), np.full(len(origin), -np.inf)
+    vertical = (a == 0.0) & (c <= 0.0)
+    near[vertical], far[vertical] = -np.inf, np.inf
+    meets = (a > 0.0) & (root >= 0.0)
+    a, b, root = a[meets], b[meets], np.sqrt(root[meets])
+    near[meets], far[meets] = (-b - root) / a, (-b + root) / a
+    return near, far

@@ -138,6 +138,7 @@ def trace(
         d = d[stays] - 2.0 * cos_stone[stays, None] * normal[stays]
         record.reflections[ray] += 1
     record.status[ray] = RayStatus.TRAPPED
+    record.reflections[ray] = model.max_reflections  # the last one is no more allowed
     return record
 
 
@@ -146,6 +147,7 @@ def observe(
     view: View,
     model: Model | None = None,
     *,
+    rays: tuple[np.ndarray, np.ndarray] | None = None,
     threads: int | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Observation:
@@ -159,6 +161,9 @@ def observe(
         The map.
     model : Model, optional
         The optical model; by default that of the stone's material.
+    rays : tuple of two (h, w, 3) float64 arrays, optional
+        Starts [girdle radius] and directions of the rays, for tracing just those of another tracer; by
+        default the view's own.
     threads : int, optional
         Threads to use; by default one a processor.
     progress : callable, optional
@@ -178,8 +183,12 @@ def observe(
     def block(begin: int) -> None:
         pixel = np.arange(begin, min(begin + BLOCK, n))
         row, column = np.divmod(pixel, view.resolution)
-        origin = x[column, None] * right + y[row, None] * up + _START * eye
-        direction = np.broadcast_to(-eye, origin.shape)
+        if rays is None:
+            origin = x[column, None] * right + y[row, None] * up + _START * eye
+            direction = np.broadcast_to(-eye, origin.shape)
+        else:
+            origin, direction = (part[row, column] for part in rays)
+            direction = direction / np.linalg.norm(direction, axis=1, keepdims=True)
         record = trace(surfaces, origin, direction, model)
         for name, array in maps.items():
             array[pixel] = getattr(record, name)

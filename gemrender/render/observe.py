@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 
 from gemrender.observation import MAP_TYPES, Model, Observation, View
 from gemrender.render.backend import ensure_variant
-from gemrender.scene.generator import rows_window, stone_scene
+from gemrender.scene.generator import rows_window, sensor, stone_scene
 from gemrender.stone import Stone
 
-__all__ = ["observe"]
-
+__all__ = ["film_rays", "follow", "observe", "sensor_rays"]
 
 #: Rays of a pass: enough to keep all cores busy, few enough that a pass stays well below 1 GiB.
 PASS_RAYS = 1 << 21
@@ -69,21 +68,18 @@ def observe(
     import mitsuba as mi
 
     start = time.perf_counter()
-    passes = -(-(view.resolution**2) // PASS_RAYS)
-    rows = -(-view.resolution // passes)
-    scene: Any = mi.load_dict(stone_scene(stone, view, model, rows=rows))
-    sensor = mi.traverse(scene.sensors()[0])
+    scene: Any = mi.load_dict(stone_scene(stone, view, model, rows=_rows_of_pass(view)))
     maps = {
         name: np.empty((*view.shape, 3) if len(channels) == 3 else view.shape, dtype=MAP_TYPES[name])
         for name, channels in _CHANNELS.items()
     }
-    for first in range(0, view.resolution, rows):
-        for key, value in rows_window(view, first, rows).items():
-            sensor[key] = value
-        sensor.update()
-        kept = min(rows, view.resolution - first)
-        for name, values in _trace_film(scene).items():
-            maps[name][first : first + kept] = values[:kept]
+    for first, kept, ray in _passes(scene.sensors()[0], view):
+        channels = follow(scene, ray)
+        for name, of_map in _CHANNELS.items():
+            rows = maps[name][first : first + kept]
+            for k, channel in enumerate(of_map):
+                part = rows if len(of_map) == 1 else rows[..., k]
+                part[:] = channels[channel].reshape(-1, view.resolution)[:kept]
         if progress is not None:
             progress((first + kept) / view.resolution)
     return Observation(
@@ -97,16 +93,46 @@ def observe(
     )
 
 
-def _trace_film(scene: Any) -> dict[str, np.ndarray]:
-    """Trace one ray a pixel of the film and return the maps' values, (rows, columns[, 3]).
+def sensor_rays(view: View, *, variant: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return the rays that `observe` follows, as the sensor makes them in single precision.
 
-    Sensor and integrator are called as `mi.render` calls them. The film itself is left out: with one
-    sample a pixel it would only copy, and that costs half as much as the rays.
+    Returns
+    -------
+    origin, direction : (h, w, 3) float64
+        Starts [girdle radius] and directions, unit vectors but for single precision's rounding.
     """
+    ensure_variant(variant)
+    import mitsuba as mi
+
+    origin, direction = np.empty((*view.shape, 3)), np.empty((*view.shape, 3))
+    made: Any = mi.load_dict(sensor(view, rows=_rows_of_pass(view)))
+    for first, kept, ray in _passes(made, view):
+        for whole, values in ((origin, ray.o), (direction, ray.d)):
+            # One direction serves all rays of a pass.
+            of_pass = np.broadcast_to(np.array(values).T, (len(np.array(ray.o).T), 3))
+            whole[first : first + kept] = of_pass.reshape(-1, view.resolution, 3)[:kept]
+    return origin, direction
+
+
+def follow(scene: Any, ray: Any) -> dict[str, np.ndarray]:
+    """Follow rays by the scene's integrator; return its channels, each (n,).
+
+    The integrator is called as `mi.render` calls it. The film itself is left out: with one sample a pixel
+    it would only copy, and that costs half as much as the rays.
+    """
+    import drjit as dr
+
+    _, _, aovs = scene.integrator().sample(scene, None, ray)
+    dr.eval(aovs)
+    names = scene.integrator().aov_names()
+    return {name: np.asarray(values) for name, values in zip(names, aovs, strict=True)}
+
+
+def film_rays(sensor: Any) -> Any:
+    """Return the sensor's rays through the middle of each pixel of its film, row by row."""
     import drjit as dr
     import mitsuba as mi
 
-    sensor, integrator = scene.sensors()[0], scene.integrator()
     columns, rows = sensor.film().size()
     pixel = dr.arange(mi.UInt32, columns * rows)
     row = pixel // columns
@@ -115,11 +141,23 @@ def _trace_film(scene: Any) -> dict[str, np.ndarray]:
         (mi.Float(row) + 0.5) / rows,
     )
     ray, _ = sensor.sample_ray_differential(0.0, 0.5, place, mi.Point2f(0.5))
-    _, _, aovs = integrator.sample(scene, None, ray)
-    dr.eval(aovs)
-    channel = dict(zip(integrator.aov_names(), aovs, strict=True))
-    out = {}
-    for name, channels in _CHANNELS.items():
-        of_map = [np.asarray(channel[c]).reshape(rows, columns) for c in channels]
-        out[name] = of_map[0] if len(of_map) == 1 else np.stack(of_map, axis=-1)
-    return out
+    return ray
+
+
+def _rows_of_pass(view: View) -> int:
+    """Rows of each pass over the view; the last may reach beyond it."""
+    passes = -(-(view.resolution**2) // PASS_RAYS)
+    return -(-view.resolution // passes)
+
+
+def _passes(sensor: Any, view: View) -> Iterator[tuple[int, int, Any]]:
+    """Move the sensor's window over the view; yield the first row, the rows that count, and the rays."""
+    import mitsuba as mi
+
+    rows = _rows_of_pass(view)
+    parameters = mi.traverse(sensor)
+    for first in range(0, view.resolution, rows):
+        for key, value in rows_window(view, first, rows).items():
+            parameters[key] = value
+        parameters.update()
+        yield first, min(rows, view.resolution - first), film_rays(sensor)

@@ -2,81 +2,224 @@
 
 from __future__ import annotations
 
+import math
+import textwrap
+import unicodedata
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+import gemrender
 from gemrender.observation import Observation, RayStatus
-from gemrender.report.tables import band_name
-from gemrender.score import BAND_EDGES, score_observation
+from gemrender.report.tables import band_name, model_text
+from gemrender.score import BAND_EDGES, Score, score_observation
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["BAND_COLOURS", "map_figure", "write_map_figure"]
+__all__ = [
+    "BAND_COLOURS",
+    "OUTSIDE_COLOUR",
+    "REAR_COLOUR",
+    "UNSOLVED_COLOUR",
+    "map_figure",
+    "write_map_figure",
+]
 
-#: Colours of the bands, brightest first: steps of viridis, even in lightness and safe for colour-blind eyes.
-BAND_COLOURS = ("#fde725", "#9bd93c", "#35b779", "#21908c", "#31688e", "#443983")
+#: Colours of the bands, brightest first: from viridis, at the places where all colours of the picture are
+#: furthest apart for eyes with and without colour blindness.
+BAND_COLOURS = ("#fde725", "#67cc5c", "#1e9c89", "#2b748e", "#3f4889", "#440154")
 #: Rear light, and rays that are trapped or lost: apart from the scale.
 REAR_COLOUR = "#141414"
-UNSOLVED_COLOUR = "#e4572e"
+UNSOLVED_COLOUR = "#f781bf"
 OUTSIDE_COLOUR = "#ffffff"
+
+#: Least and most pixels a side of the map in the picture: smaller maps are enlarged, larger ones reduced,
+#: both by whole numbers.
+MAP_PIXELS = (800, 1600)
+
+# The page: a square map with margins for axes and title, and a panel with the shares [inch].
+_MAP, _LEFT, _BOTTOM, _TOP, _GAP, _PANEL, _RIGHT = 6.0, 0.95, 0.85, 0.8, 0.45, 3.9, 0.3
+_GREY = "#666666"
+#: Fonts with Japanese and Chinese, of which the first that is there helps out where DejaVu has no letter.
+_EAST_ASIAN = ("Noto Sans CJK JP", "Noto Sans JP", "Hiragino Sans", "Yu Gothic", "Meiryo", "MS Gothic",
+               "IPAexGothic", "IPAGothic", "TakaoGothic", "WenQuanYi Zen Hei")  # fmt: skip
 
 
 def map_figure(observation: Observation) -> Figure:
-    """Draw the intensity map in its bands, with Average, Rear and the share of each band beside it."""
-    from matplotlib.colors import to_rgb
+    """Draw the intensity map in its bands, with Average, Rear and the share of each band beside it.
+
+    Each pixel of the picture shows one ray, or the same whole number of rays as every other: facets keep
+    their edges.
+
+    Parameters
+    ----------
+    observation : Observation
+        The maps.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        To be saved at its own resolution (`write_map_figure`).
+    """
     from matplotlib.figure import Figure
-    from matplotlib.patches import Patch
 
     result = score_observation(observation)
-    figure = Figure(figsize=(8.6, 5.3), dpi=160, layout="constrained")
-    axes = figure.subplots()
-    half = observation.view.half_width
-    axes.imshow(_banded(observation, to_rgb), extent=(-half, half, -half, half), interpolation="antialiased")
-    axes.set(aspect="equal", xlim=(-1.02 * half, 1.02 * half), ylim=(-1.02 * half, 1.02 * half))
-    axes.set_xlabel("x [girdle radius]")
-    axes.set_ylabel("y [girdle radius]")
-    axes.set_xticks(np.arange(-1, 1.01, 0.5))
-    axes.set_yticks(np.arange(-1, 1.01, 0.5))
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.set_title(result.name, loc="left", fontsize=15, fontweight="bold")
-    entries = [
-        Patch(facecolor=colour, edgecolor="#888888", label=f"{band_name(band)} %:  {band.share:.1f} %")
-        for colour, band in zip(BAND_COLOURS, result.bands, strict=True)
-    ]
-    entries.append(Patch(facecolor=REAR_COLOUR, edgecolor="#888888", label=f"Rear:  {result.rear:.2f} %"))
-    unsolved = result.trapped + result.lost
-    if unsolved > 0:
-        label = f"Trapped:  {unsolved:.2g} %"
-        entries.append(Patch(facecolor=UNSOLVED_COLOUR, edgecolor="#888888", label=label))
-    kind = "Primary intensity" if result.intensity == "primary" else "Radiance"
-    legend = figure.legend(
-        handles=entries,
-        loc="outside right center",
-        frameon=False,
-        fontsize=12,
-        title=f"Average  {result.average:.2f} %\nRear  {result.rear:.2f} %\n\n{kind}: share of top view",
-        title_fontsize=12.5,
-        alignment="left",
+    image = _picture(observation)
+    side = image.shape[0]
+    dpi = side / _MAP
+    width, height = (
+        round(inches * dpi) for inches in (_LEFT + _MAP + _GAP + _PANEL + _RIGHT, _BOTTOM + _MAP + _TOP)
     )
-    legend.get_title().set_multialignment("left")
+    left, bottom = round(_LEFT * dpi), round(_BOTTOM * dpi)
+    figure = Figure(figsize=((width + 0.5) / dpi, (height + 0.5) / dpi), dpi=dpi)  # truncated to pixels
+    figure.figimage(image, left, bottom, origin="upper")  # pixel by pixel: an axes would resample
+
+    axes = figure.add_axes((left / width, bottom / height, side / width, side / height), facecolor="none")
+    _draw_axes(axes, observation)
+    panel_left = (_LEFT + _MAP + _GAP) * dpi / width
+    panel = figure.add_axes((panel_left, bottom / height, _PANEL * dpi / width, side / height))
+    _draw_panel(panel, result)
+    _draw_title(figure, result.name, left / width, (bottom + side + 0.22 * dpi) / height)
     return figure
 
 
 def write_map_figure(observation: Observation, path: Path) -> None:
     """Write the map's figure as PNG."""
-    map_figure(observation).savefig(path, format="png")
+    figure = map_figure(observation)
+    with warnings.catch_warnings():  # a letter that no font has is drawn as a box
+        warnings.filterwarnings("ignore", message="Glyph .* missing from", category=UserWarning)
+        figure.savefig(path, format="png", dpi=figure.dpi, metadata={"Title": observation.stone.name})
 
 
-def _banded(observation: Observation, to_rgb: Any) -> np.ndarray:
-    """Return the map as (h, w, 3) colours of its bands."""
-    intensity, status = observation.primary_intensity, observation.status
-    palette = np.array([to_rgb(c) for c in (*BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR, OUTSIDE_COLOUR)])
-    band = np.digitize(intensity, BAND_EDGES[:-1])  # decreasing edges: 0 is the brightest
-    n = len(BAND_COLOURS)
-    band = np.where(observation.rear_mask > 0, n, band)
-    band = np.where((status == RayStatus.TRAPPED) | (status == RayStatus.LOST), n + 1, band)
-    band = np.where(status == RayStatus.MISSED, n + 2, band)
-    return np.asarray(palette[band])
+# ---- The parts of the page -----------------------------------------------------------------------------
+
+
+def _draw_axes(axes: Axes, observation: Observation) -> None:
+    """Draw a scale to the left of and below the map."""
+    half, resolution = observation.view.half_width, observation.view.resolution
+    tilted = observation.view.tilt_deg != 0
+    reduction = _reduction(resolution)
+    width = 2 * half * -(-resolution // reduction) * reduction / resolution  # with the last pixel's part
+    axes.set(xlim=(-half, width - half), ylim=(half - width, half))
+    for side, label, axis in (("bottom", "x", axes.xaxis), ("left", "y", axes.yaxis)):
+        axes.spines[side].set_position(("outward", 7))
+        axes.spines[side].set_bounds(-1, 1)
+        axis.set_ticks(np.linspace(-1, 1, 5), ["−1", "−0.5", "0", "0.5", "1"], fontsize=13)
+        axis.set_label_text(f"{label}{' in the view' if tilted else ''} [girdle radius]", fontsize=13)
+    axes.spines[["top", "right"]].set_visible(False)
+
+
+def _draw_panel(axes: Axes, result: Score) -> None:
+    """Draw the numbers: the two scores, the shares as bars in the map's colours, and the rules."""
+    rows = [
+        (colour, f"{band_name(band).replace('-', '–').replace('>=', '≥')} %", band.share)
+        for colour, band in zip(BAND_COLOURS, result.bands, strict=True)
+    ]
+    rows.append((REAR_COLOUR, "Rear", result.rear))
+    unsolved = {"Trapped": result.trapped, "Lost": result.lost}
+    if any(unsolved.values()):
+        name = " + ".join(name for name, share in unsolved.items() if share)
+        rows.append((UNSOLVED_COLOUR, name, sum(unsolved.values())))
+
+    # One unit down is one row; across, 0 to 1.
+    axes.set(xlim=(0, 1), ylim=(14.5, 0))
+    axes.set_axis_off()
+    for x, name, value in ((0.0, "Average", result.average), (0.52, "Rear", result.rear)):
+        axes.text(x, 0.75, name, fontsize=15, color=_GREY)
+        axes.text(x, 1.75, f"{value:.2f} %", fontsize=25, fontweight="bold")
+    measure = "primary intensity" if result.intensity == "primary" else "radiance"
+    axes.text(0, 3.35, f"Share of the top view by {measure}", fontsize=13, color=_GREY)
+    widest = max(share for _, _, share in rows)
+    for y, (colour, name, share) in enumerate(rows, start=4):
+        digits = 1 if share >= 0.05 or share == 0 else 2 - math.ceil(math.log10(share))
+        axes.scatter(0.035, y, s=190, marker="s", facecolor=colour, edgecolor="#888888", linewidth=0.8)
+        axes.text(0.095, y, name, fontsize=14, va="center_baseline")
+        length = 0.42 * share / widest
+        axes.barh(y, length, left=0.35, height=0.62, color=colour)
+        axes.text(0.365 + length, y, f"{share:.{digits}f} %", fontsize=14, va="center_baseline")
+    axes.text(0, 14.5, _rules(result), fontsize=11, color=_GREY, va="bottom", linespacing=1.35)
+
+
+def _rules(result: Score) -> str:
+    """Say how the map was made, in short lines."""
+    engine = f"{result.engine} ({result.variant})" if result.variant else result.engine
+    lines = [model_text(result).replace("(index ", "(index\u00a0")]  # not to be torn apart
+    if result.tilt_deg:
+        lines.append(f"eye tilted by {result.tilt_deg:g}° towards azimuth {result.tilt_azimuth_deg:g}°")
+    lines += [
+        f"{result.resolution} × {result.resolution} rays, {engine}",
+        f"gemrender {gemrender.__version__}",
+    ]
+    return "\n".join(part for line in lines for part in textwrap.wrap(line, 47))
+
+
+def _draw_title(figure: Figure, name: str, x: float, y: float) -> None:
+    """Write the stone's name, long ones smaller and on two lines."""
+    from matplotlib.font_manager import fontManager
+
+    lines = textwrap.wrap(name, 56)
+    columns = max(sum(1 + (unicodedata.east_asian_width(c) in "WF") for c in line) for line in lines)
+    there = {font.name for font in fontManager.ttflist}
+    family = ["DejaVu Sans", *[font for font in _EAST_ASIAN if font in there][:1]]
+    size = min(20.0, 20.0 * 48 / columns) * (1.0 if len(lines) == 1 else 0.75)
+    figure.text(
+        x,
+        y,
+        "\n".join(lines),
+        fontsize=size,
+        fontweight="bold",
+        family=family,
+        parse_math=False,
+        linespacing=1.1,
+    )
+
+
+# ---- The map as a picture ------------------------------------------------------------------------------
+
+
+def _picture(observation: Observation) -> np.ndarray:
+    """Return the map in colours, (n, n, 3) uint8, n within `MAP_PIXELS`."""
+    resolution = observation.view.resolution
+    reduction = _reduction(resolution)
+    side = -(-resolution // reduction)
+    palette = _palette()
+    image = np.empty((side, side, 3), dtype=np.uint8)
+    for row in range(side):  # row by row: colours take ten times the room of the map
+        rows = _colour_index(observation, slice(row * reduction, (row + 1) * reduction))
+        if reduction == 1:
+            image[row] = palette[rows[0]]
+            continue
+        missing = (0, side * reduction - resolution)
+        rows = np.pad(rows, ((0, reduction - len(rows)), missing), constant_values=len(palette) - 1)
+        blocks = palette[rows].reshape(reduction, side, reduction, 3)
+        image[row] = np.rint(blocks.mean(axis=(0, 2)))
+    enlargement = -(-MAP_PIXELS[0] // side)
+    return image.repeat(enlargement, axis=0).repeat(enlargement, axis=1)
+
+
+def _reduction(resolution: int) -> int:
+    """Return how many rays a side make one pixel of the picture."""
+    return -(-resolution // MAP_PIXELS[1])
+
+
+def _palette() -> np.ndarray:
+    """Return the colours of bands, rear light, unsolved rays and what lies outside, (9, 3) uint8."""
+    colours = (*BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR, OUTSIDE_COLOUR)
+    return np.array([list(bytes.fromhex(colour[1:])) for colour in colours], dtype=np.uint8)
+
+
+def _colour_index(observation: Observation, rows: slice) -> np.ndarray:
+    """Return the place of each pixel's colour in the palette."""
+    status = observation.status[rows]
+    index: Any = np.digitize(
+        observation.primary_intensity[rows], BAND_EDGES[:-1]
+    )  # decreasing: 0 is brightest
+    rear = len(BAND_COLOURS)
+    index[observation.rear_mask[rows] > 0] = rear
+    index[(status == RayStatus.TRAPPED) | (status == RayStatus.LOST)] = rear + 1
+    index[status == RayStatus.MISSED] = rear + 2
+    return np.asarray(index)

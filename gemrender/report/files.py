@@ -6,7 +6,8 @@ import json
 import os
 import re
 import tempfile
-from collections.abc import Callable, Iterable
+import unicodedata
+from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -34,6 +35,9 @@ CHANNELS: dict[str, tuple[str, ...]] = {
     "path_code": ("path.code",),
 }
 
+#: Longest stem of a file's name [bytes]: file systems take 255 with the ending.
+MOST_STEM_BYTES = 200
+
 
 def prepare_folder(folder: str | os.PathLike[str]) -> Path:
     """Make the folder and see that it can be written, before any work is done for it.
@@ -43,25 +47,42 @@ def prepare_folder(folder: str | os.PathLike[str]) -> Path:
     InputError
         It is a file, or cannot be made or written.
     """
-    path = Path(folder)
+    name = os.fspath(folder)
+
+    def refused(reason: str) -> InputError:
+        return InputError(f"must be a folder that can be written: {reason}", key="out", value=name)
+
+    if not name.strip():
+        raise refused("has no name")
+    try:
+        name.encode()
+    except UnicodeEncodeError as error:  # OpenEXR refuses such a path
+        raise refused("its name is not valid Unicode") from error
+    path = Path(name)
     try:
         path.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=path):
             pass
     except FileExistsError as error:
-        raise InputError("must be a folder, but is a file", source="--out", value=str(folder)) from error
-    except OSError as error:
-        raise InputError(
-            f"must be a folder that can be written: {error.strerror}", source="--out", value=str(folder)
-        ) from error
+        raise refused("is a file") from error
+    except (OSError, ValueError) as error:  # ValueError: a name with a null character
+        raise refused(getattr(error, "strerror", None) or str(error)) from error
     return path
 
 
 def file_stems(names: Iterable[str]) -> list[str]:
-    """Return a stem for each name, safe in a file's name; the second of a kind gets a -2."""
+    """Return a stem for each stone, safe in a file's name; the second of a kind gets a -2.
+
+    Parameters
+    ----------
+    names : iterable of str
+        What the user named the stones by: bundled names, or paths of stone files.
+    """
     stems: list[str] = []
     for name in names:
-        stem = re.sub(r"[^\w.-]+", "-", name).strip("-.").lower() or "stone"
+        plain = re.sub(r"\.(toml|csv)$", "", Path(name).name, flags=re.IGNORECASE)
+        plain = re.sub(r"[^\w.-]+", "-", unicodedata.normalize("NFC", plain)).strip("-.").lower()
+        stem = plain.encode(errors="ignore")[:MOST_STEM_BYTES].decode(errors="ignore") or "stone"
         number, unique = 1, stem
         while unique in stems:
             number += 1
@@ -71,13 +92,25 @@ def file_stems(names: Iterable[str]) -> list[str]:
 
 
 def write_observation(observation: Observation, folder: Path, stem: str) -> list[Path]:
-    """Write `stem`.exr and `stem`.png into the folder, each whole or not at all; return both."""
+    """Write `stem`.exr and `stem`.png into the folder, both whole or none; return both.
+
+    Raises
+    ------
+    InputError
+        They cannot be written.
+    """
     from gemrender.report.figures import write_map_figure
 
-    exr, png = folder / f"{stem}.exr", folder / f"{stem}.png"
-    _whole(exr, lambda path: write_exr(observation, path))
-    _whole(png, lambda path: write_map_figure(observation, path))
-    return [exr, png]
+    writers = {f"{stem}.exr": write_exr, f"{stem}.png": write_map_figure}
+    try:
+        # Beside their place first, then moved there: a failure leaves what was there as it was.
+        with tempfile.TemporaryDirectory(dir=folder, prefix=".gemrender-") as made:
+            for name, write in writers.items():
+                write(observation, Path(made, name))
+            return [Path(made, name).replace(folder / name) for name in writers]
+    except (OSError, RuntimeError) as error:  # OpenEXR reports a full disk as RuntimeError
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"cannot be written: {reason}", source=str(folder / stem)) from error
 
 
 def write_exr(observation: Observation, path: Path) -> None:
@@ -113,7 +146,7 @@ def describe(observation: Observation) -> dict[str, Any]:
         "proportions": _proportions(observation),
         "vertices": stone.vertices.tolist(),
         "material": stone.material,
-        "view": asdict(observation.view),
+        "view": asdict(observation.view) | {"resolution": int(observation.view.resolution)},
         "model": asdict(observation.model),
         "score": score_observation(observation).to_dict(),
         "version": gemrender.__version__,
@@ -123,24 +156,3 @@ def describe(observation: Observation) -> dict[str, Any]:
 def _proportions(observation: Observation) -> dict[str, float] | None:
     proportions = observation.stone.proportions
     return None if proportions is None else asdict(proportions)
-
-
-def _whole(path: Path, write: Callable[[Path], None]) -> None:
-    """Write a file beside its place, then move it there: a failure leaves the old one as it was."""
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
-    os.close(handle)
-    part = Path(name)
-    try:
-        write(part)
-        part.chmod(0o666 & ~_umask())
-        part.replace(path)
-    except (OSError, RuntimeError) as error:  # OpenEXR reports a full disk as RuntimeError
-        raise InputError(f"cannot be written: {error}", source=str(path)) from error
-    finally:
-        part.unlink(missing_ok=True)
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

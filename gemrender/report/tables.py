@@ -7,11 +7,12 @@ from collections.abc import Sequence
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from gemrender.crosscheck import CrossCheck
 from gemrender.score import Band, Score
 
-__all__ = ["band_name", "print_crosschecks", "print_scores"]
+__all__ = ["band_name", "model_text", "print_crosschecks", "print_scores"]
 
 
 def band_name(band: Band) -> str:
@@ -19,62 +20,77 @@ def band_name(band: Band) -> str:
     return f">= {band.low:g}" if band.high is None else f"{band.low:g}-{band.high:g}"
 
 
+def model_text(score: Score) -> str:
+    """Say in words by what rules a stone was scored."""
+    intensity = {"primary": "primary intensity", "radiance": "radiance"}[score.intensity]
+    law = {"gubelin": "Gübelin's table", "exact": "Fresnel's equations"}[score.fresnel]
+    return f"{intensity}, {law} (index {score.index:g}), rear light by {score.rear_rule}"
+
+
 def print_scores(scores: Sequence[Score], console: Console) -> None:
     """Print a row a stone: Average, Rear and the bands [%]."""
-    table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
-    table.add_column("Stone", no_wrap=True, overflow="ellipsis")
-    for name in ("Average", "Rear", *(band_name(b) for b in scores[0].bands), "Trapped"):
-        table.add_column(name, justify="right", no_wrap=True)
+    table = _table("Average", "Rear", *(band_name(b) for b in scores[0].bands), "Trapped")
     for s in scores:
         table.add_row(
-            s.name,
-            f"[bold]{s.average:.2f}[/]",
-            f"[bold]{s.rear:.2f}[/]",
+            Text(s.name),
+            Text(f"{s.average:.2f}", style="bold"),
+            Text(f"{s.rear:.2f}", style="bold"),
             *(f"{b.share:.1f}" for b in s.bands),
             f"{s.trapped:.3g}",
         )
     console.print(table)
     first = scores[0]
     engine = f"{first.engine} ({first.variant})" if first.variant else first.engine
-    console.print(
-        "Average: mean intensity; the rest: shares of the top view; all in per cent.\n"
-        f"{engine}, {first.resolution} x {first.resolution}, {first.fresnel} transmittance, "
-        f"{'primary intensity' if first.intensity == 'primary' else 'radiance'}, rear by {first.rear_rule}",
-        style="dim",
-        highlight=False,
-    )
+    view = f"{first.resolution} x {first.resolution} rays"
+    if first.tilt_deg:
+        view += f", the eye tilted by {first.tilt_deg:g} deg towards azimuth {first.tilt_azimuth_deg:g} deg"
+    _note(console, "Average: mean intensity; the rest: shares of the top view; all in per cent.")
+    _note(console, f"{engine}, {view}.")
+    models: dict[str, list[str]] = {}
+    for s in scores:
+        models.setdefault(model_text(s), []).append(s.name)
+    for model, names in models.items():
+        _note(console, f"{model}{'' if len(models) == 1 else ': ' + ', '.join(names)}.")
     for s in scores:
         if s.lost:
-            console.print(f"{s.name}: {s.lost:.2g} % of the rays were lost to rounding", style="yellow")
+            _note(console, f"{s.name}: {s.lost:.2g} % of the rays were lost to rounding.", style="yellow")
 
 
 def print_crosschecks(checks: Sequence[CrossCheck], console: Console) -> None:
-    """Print a row a stone: agreement of the two tracers, and the verdict."""
-    table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
-    for name in ("Stone", "Rays", "Exit %", "Path %", "ΔI mean", "ΔI max", "ΔAverage", "ΔRear", "ΔBand",
-                 "Lost %", ""):  # fmt: skip
-        table.add_column(name, justify="left" if name in ("Stone", "") else "right", no_wrap=True)
+    """Print two tables, a row a stone: how rays agree and how scores agree; then what disagrees."""
+    rays = _table("Rays", "Same exit", "Same path", "ΔI mean", "ΔI max", "Lost", "")
+    scores = _table("ΔAverage", "ΔRear", *(f"Δ {band_name(b)}" for b in checks[0].bands))
     for c in checks:
-        table.add_row(
-            c.name,
+        rays.add_row(
+            Text(c.name),
             f"{c.rays}",
             f"{c.same_exit:.4f}",
             f"{c.same_path:.4f}",
             f"{c.mean_intensity:.1e}",
             f"{c.largest_intensity:.1e}",
-            f"{c.average:+.4f}",
-            f"{c.rear:+.4f}",
-            f"{max(abs(b.share) for b in c.bands):.4f}",
             f"{c.lost:.4f}",
-            "[red]differs[/]" if c.failures else "[green]agrees[/]",
+            Text("differs", style="red") if c.failures else Text("agrees", style="green"),
         )
-    console.print(table)
-    console.print(
-        "Exit, Path: rays with the same status and exit facet, and with the same facet sequence.\n"
-        "ΔI: difference in intensity among the latter. All but Rays in per cent.",
-        style="dim",
-        highlight=False,
-    )
+        scores.add_row(Text(c.name), *(f"{x:+.4f}" for x in (c.average, c.rear, *(b.share for b in c.bands))))
+    console.print(rays)
+    console.print(scores)
+    _note(console, "Differences are Mitsuba minus reference; all but Rays in per cent.")
+    _note(console, "Same exit: rays with the same status and exit facet; same path: and facet sequence.")
+    _note(console, "ΔI: difference in intensity among rays with the same path.")
     for c in checks:
         for failure in c.failures:
-            console.print(f"{c.name}: {failure}", style="red", highlight=False)
+            _note(console, f"{c.name}: {failure}", style="red")
+
+
+def _table(*columns: str) -> Table:
+    """Return a table with a column for the stone, which gives way where it is narrow, and for numbers."""
+    table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    table.add_column("Stone", overflow="fold")
+    for name in columns:
+        table.add_column(Text(name), justify="right", no_wrap=True)
+    return table
+
+
+def _note(console: Console, words: str, style: str = "dim") -> None:
+    # As Text: a stone's name may hold what would be markup.
+    console.print(Text(words, style=style), soft_wrap=True)

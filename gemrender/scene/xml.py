@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import tempfile
 from pathlib import Path
 
@@ -56,12 +57,23 @@ def write_scene(folder: str | os.PathLike[str], name: str, stone: Stone, view: V
             node.type = kinds[node.props.plugin_name()]
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=folder) as made:
+        with tempfile.TemporaryDirectory(dir=folder, prefix=".gemrender-") as made:
             ply, xml = Path(made, f"{name}.ply"), Path(made, f"{name}.xml")
             mesh.write_ply(str(ply))
             mi.parser.write_file(state, str(xml))
+            xml.write_text(_heading(stone) + xml.read_text(encoding="utf-8"), encoding="utf-8", newline="\n")
             for file in (ply, xml):
                 file.replace(folder / file.name)
-    except OSError as error:
-        raise InputError(f"cannot be written: {error.strerror}", source=str(folder)) from error
+    except (OSError, RuntimeError) as error:  # Mitsuba reports a full disk as RuntimeError
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"cannot be written: {reason}", source=str(folder / name)) from error
     return folder / f"{name}.xml"
+
+
+def _heading(stone: Stone) -> str:
+    """Return a comment that says what the file is and what reads it."""
+    name = re.sub("-(?=-)", "- ", stone.name)  # no comment may hold two hyphens together
+    return (
+        f"<!-- {name}, written by gemrender scene.\n"
+        "     To read it: mi.set_variant, import gemrender.plugins, mi.load_file. -->\n"
+    )

@@ -50,7 +50,7 @@ class StoneMesh:
     face_offsets : (f,) float64
         Offset of that plane [girdle radius]; on the girdle the radius of its cylinder, 0 if not round.
     corner_normals : (f, 3, 3) float64
-        Outward unit normal at each corner of each face: the facet's, or radial on the girdle.
+        Outward unit normal at each corner of each face: the facet's, or the girdle wall's.
     """
 
     vertices: np.ndarray
@@ -61,7 +61,7 @@ class StoneMesh:
     corner_normals: np.ndarray
 
     def split(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the mesh with the vertices of each plane of their own, so that a vertex has one normal.
+        """Return the mesh with vertices of their own for each plane and girdle sector: one normal a vertex.
 
         Returns
         -------
@@ -102,8 +102,10 @@ def tessellate(stone: Stone, arc_segments: int = ARC_SEGMENTS) -> StoneMesh:
     round_radius = 1.0 if stone.girdle.is_round else 0.0
     face_offsets = np.where(on_girdle, round_radius, stone.triangle_offsets[face_triangle])
     corner_normals = np.repeat(face_normals[:, None], 3, axis=1)
-    radial = vertices[faces[on_girdle]] * (1.0, 1.0, 0.0)
-    corner_normals[on_girdle] = radial / np.linalg.norm(radial, axis=-1, keepdims=True)
+    # Just inside the face: at a corner itself a measured wall may bend.
+    wall = vertices[faces[on_girdle]]
+    inner = wall if stone.girdle.is_round else wall + 1e-6 * (wall.mean(axis=1, keepdims=True) - wall)
+    corner_normals[on_girdle] = stone.girdle.normals(inner.reshape(-1, 3)).reshape(-1, 3, 3)
     return StoneMesh(
         vertices=vertices,
         faces=faces,
@@ -119,7 +121,7 @@ def tessellate(stone: Stone, arc_segments: int = ARC_SEGMENTS) -> StoneMesh:
 
 @lru_cache(maxsize=4)
 def _topology(n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Faces, the triangle (of 78, or -1) whose plane each lies in, and its facet."""
+    """Faces, the triangle (of 78) whose plane each lies in or -1 - its girdle sector, and its facet."""
     inner = np.arange(N_SECTORS * (n - 1)).reshape(N_SECTORS, n - 1) + N_VERTICES
     upper = np.column_stack([GIRDLE_UPPER, inner, np.roll(GIRDLE_UPPER, -1)])
     lower = np.column_stack([GIRDLE_LOWER, inner + inner.size, np.roll(GIRDLE_LOWER, -1)])
@@ -136,7 +138,7 @@ def _topology(n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     a, b, c, d = lower[:, :-1], lower[:, 1:], upper[:, 1:], upper[:, :-1]
     quads = np.stack([np.stack([a, b, c], -1), np.stack([a, c, d], -1)], axis=2).reshape(-1, 3)
     faces.append(quads)
-    triangle.append(np.full(len(quads), -1))
+    triangle.append(np.repeat(-1 - np.arange(N_SECTORS), 2 * n))
 
     all_faces = np.concatenate(faces).astype(np.int32)
     all_triangles = np.concatenate(triangle)
@@ -159,7 +161,7 @@ def _split_corners(n_vertices: int) -> tuple[np.ndarray, np.ndarray]:
     """Corners that become the vertices of the split mesh, and its faces."""
     n = (n_vertices - N_VERTICES) // (2 * N_SECTORS) + 1
     faces, triangle, _ = _topology(n)
-    owner = np.repeat(triangle + 1, 3) * n_vertices + faces.reshape(-1)
+    owner = np.repeat(triangle + N_SECTORS, 3) * n_vertices + faces.reshape(-1)
     _, corners, inverse = np.unique(owner, return_index=True, return_inverse=True)
     return corners, inverse.reshape(-1, 3).astype(np.int32)
 

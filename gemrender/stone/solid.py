@@ -204,7 +204,7 @@ def _planes(v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarr
 def _to_paper_frame(vertices: np.ndarray) -> np.ndarray:
     try:
         v = np.array(vertices, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"must be {N_VERTICES} rows of three numbers", key="vertices") from error
     if v.shape != (N_VERTICES, 3):
         raise InputError(f"must have shape ({N_VERTICES}, 3), got {v.shape}", key="vertices")

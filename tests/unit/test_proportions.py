@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from tolerances import PLANE, PRINTED_PERCENT, ROUNDING
+from tolerances import ANGLE_DEG, PLANE, PRINTED_PERCENT, ROUNDING
 
 from gemrender.errors import InputError
 from gemrender.stone import RoundBrilliant, Stone
@@ -167,7 +167,7 @@ def test_main_facets_have_the_crown_and_pavilion_angles(stone, proportions):
         ("pavilion_main", proportions.pavilion_angle_deg),
     ):
         of_kind = [f for f in range(57) if FACET_KINDS[f] == kind]
-        np.testing.assert_allclose(tilt[of_kind], angle, rtol=0, atol=1e-10)  # arccos loses some digits
+        np.testing.assert_allclose(tilt[of_kind], angle, rtol=0, atol=ANGLE_DEG)
 
 
 def test_stone_is_symmetric_under_turns_of_45_degrees_and_reflection(stone):
@@ -224,7 +224,7 @@ def test_value_that_is_no_number_is_refused(value):
 
 
 def test_integer_beyond_every_float_is_refused():
-    with pytest.raises(InputError, match="^table = 1000"):
+    with pytest.raises(InputError, match=r"^table = 1000"):
         RoundBrilliant(**GOOD | {"table": 10**400})
 
 
@@ -246,10 +246,9 @@ def test_star_tip_above_the_table_is_refused_with_the_smallest_star():
 
 def test_smallest_star_is_within_its_range_for_every_table():
     """A table is never refused for its star with a length that the star cannot have."""
-    low, high = RANGES["star"]
+    _, high = RANGES["star"]
     for table in np.linspace(*RANGES["table"], 50):
         assert smallest_star(float(table)) < high
-    assert smallest_star(RANGES["table"][0]) < low
 
 
 @pytest.mark.parametrize("key", ["crown_angle", "pavilion_angle", "lower_half"])
@@ -262,5 +261,5 @@ def test_angle_out_of_range_is_told_in_the_reports_terms(key):
 
 
 def test_crown_that_would_be_too_high_is_told_by_its_angle():
-    with pytest.raises(InputError, match=r"^crown_angle = 74: gives a crown height of 82\.8 %; must be from"):
+    with pytest.raises(InputError, match=r"^crown_angle = 74\.0: gives a crown height of 82\.8 %; must be"):
         RoundBrilliant.from_angles(**REPORT | {"table": 52.5, "crown_angle": 74})

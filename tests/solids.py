@@ -1,0 +1,90 @@
+"""What every stone's mesh must satisfy, and the volume of a symmetric stone without its mesh."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from gemrender.stone import RoundBrilliant, StoneMesh
+
+_STEP = math.pi / 8
+
+
+def assert_closed(mesh: StoneMesh) -> None:
+    """Every edge is shared by exactly two faces, in opposite senses; one piece without holes."""
+    faces = mesh.faces.astype(np.int64)
+    n = len(mesh.vertices)
+    start, end = faces.reshape(-1), np.roll(faces, -1, axis=1).reshape(-1)
+    edges, opposite = np.sort(start * n + end), np.sort(end * n + start)
+    assert (start != end).all()
+    assert (np.diff(edges) > 0).all(), "an edge is used twice in one sense"
+    assert (edges == opposite).all(), "an edge has no other side"
+    assert len(np.unique(faces)) == n, "a vertex belongs to no face"
+    assert n - len(edges) // 2 + len(faces) == 2, "Euler's characteristic of a ball"
+    assert np.isfinite(mesh.vertices).all()
+    assert np.isfinite(mesh.corner_normals).all()
+
+
+def mesh_volume(mesh: StoneMesh) -> float:
+    """Volume that the mesh encloses, by the divergence theorem [girdle radius^3]."""
+    a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+
+
+def heights(p: RoundBrilliant, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Top and bottom of the 57 half-spaces over points, from the proportions alone (model.md, section 2).
+
+    By symmetry the points are brought into the sector between azimuth 0, where a bezel main and a pavilion
+    main lie, and pi/8, where a star tip lies. There the other facets of each kind are further out.
+    """
+    radius, azimuth = np.hypot(x, y), np.arctan2(y, x)
+    azimuth = np.abs((azimuth + _STEP) % (2 * _STEP) - _STEP)  # to [0, pi/8]
+    main, odd, sector = (radius * np.cos(azimuth - a) for a in (0.0, _STEP, _STEP / 2))
+
+    r_t, crown, girdle, depth = (
+        p.table / 100,
+        p.crown_height / 50,
+        p.girdle_thickness / 50,
+        p.pavilion_depth / 50,
+    )
+    cos, half = math.cos(_STEP), math.cos(_STEP / 2)
+    e = r_t * cos
+    r_s, r_l = e + p.star / 100 * (1 - e), p.lower_girdle_contact / 100
+    z_s = crown * (1 - r_s * cos) / (1 - r_t)  # of the star tips above the girdle
+    z_l = depth * (1 - r_l * cos)  # of the contacts below it
+    top = np.minimum.reduce(
+        [
+            np.full_like(radius, crown),
+            crown - (crown - z_s) * (odd - e) / (r_s - e),
+            crown * (1 - main) / (1 - r_t),
+            z_s * (half - sector) / (half * (1 - r_s)),
+        ]
+    )
+    bottom = np.maximum(-depth * (1 - main), -z_l * (half - sector) / (half * (1 - r_l)))
+    return girdle + top, bottom
+
+
+def half_space_volume(p: RoundBrilliant) -> float:
+    """Volume of the half-spaces within the cylinder, by quadrature in polar coordinates [girdle radius^3]."""
+    nodes, weights = np.polynomial.legendre.leggauss(48)
+    azimuth = (nodes + 1) / 2 * _STEP
+    steps = 2000
+    radius = (np.arange(steps) + 0.5)[:, None] / steps
+    top, bottom = heights(p, radius * np.cos(azimuth), radius * np.sin(azimuth))
+    thickness = np.maximum(top - bottom, 0.0)  # nothing beyond where the planes of a thin girdle meet
+    return float(16 * (thickness * radius / steps).sum(axis=0) @ weights * _STEP / 2)
+
+
+def scalloped_volume(p: RoundBrilliant, polyhedron: float) -> float:
+    """Volume of the stone in closed form, from that of the polyhedron of its 57 vertices.
+
+    Over each of the 16 circular segments between a chord and its arc the height between the two girdle
+    facets' planes is linear: the segment's area times the height at its centroid. Holds where the scallops
+    do not cross.
+    """
+    area = (_STEP - math.sin(_STEP)) / 2
+    centroid = 4 * math.sin(_STEP / 2) ** 3 / (3 * (_STEP - math.sin(_STEP)))
+    x, y = centroid * math.cos(_STEP / 2), centroid * math.sin(_STEP / 2)
+    top, bottom = heights(p, np.array([x]), np.array([y]))
+    return polyhedron + 16 * area * float(top[0] - bottom[0])
