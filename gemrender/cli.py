@@ -279,7 +279,7 @@ def _usage_error(error: Any) -> InputError:
     context = error.ctx
     if isinstance(error, _click.NoSuchOption):
         options = [name for param in context.command.get_params(context) for name in param.opts]
-        allowed = _listed(error.option_name, (name for name in options if name.startswith("-")))
+        allowed = _listed(error.option_name, (name for name in options if name.startswith("--")))
         return InputError(f"unknown option; must be one of {allowed}", key=error.option_name)
     if isinstance(error, _click.MissingParameter):
         param = error.param
@@ -355,9 +355,12 @@ def _load(names: list[str], options: dict[str, Any]) -> list[Stone]:
     """Load all stones, and check the options for each, before any work begins."""
     from gemrender.stone import load_stone
 
-    loaded = [load_stone(name) for name in names]
-    for stone in loaded:
-        _view_and_model(stone, options)
+    loaded = []
+    with _progress(len(names)) as step:
+        for i, name in enumerate(names):
+            loaded.append(load_stone(name))
+            _view_and_model(loaded[-1], options)
+            step(i, "loading")(1.0)
     return loaded
 
 
@@ -381,7 +384,13 @@ def _random_stones(number: str, seed: str) -> list[Stone]:
     if start < 0:
         raise InputError("must not be negative", key="seed", value=start)
     rng = np.random.default_rng(start)
-    return [Stone.from_proportions(random_brilliant(rng), name=f"random {start}.{i + 1}") for i in range(n)]
+    stones = []
+    with _progress(n) as step:
+        for i in range(n):
+            name = f"random {start}.{i + 1}"
+            stones.append(Stone.from_proportions(random_brilliant(rng), name=name))
+            step(i, "drawing")(1.0)
+    return stones
 
 
 @contextmanager

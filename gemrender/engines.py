@@ -57,10 +57,7 @@ def require_engine(engine: str, variant: str = DEFAULT_VARIANT) -> None:
     if engine == "mitsuba":
         from gemrender.render.backend import ensure_variant
 
-        try:
-            ensure_variant(variant)
-        except InputError as error:
-            raise InputError(error.allowed, key="variant", value=variant) from error
+        ensure_variant(variant)
     elif variant not in VARIANTS:
         raise InputError(f"must be one of {', '.join(VARIANTS)}", key="variant", value=variant)
 

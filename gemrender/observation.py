@@ -15,6 +15,8 @@ from gemrender.stone import Stone
 __all__ = [
     "INTENSITIES",
     "LIGHT_LEVEL",
+    "MAP_CHANNELS",
+    "MAP_TYPES",
     "PATH_CODE_FACTOR",
     "PATH_CODE_MASK",
     "REAR_RULES",
@@ -259,4 +261,18 @@ MAP_TYPES: dict[str, type[np.generic]] = {
     "entry_facet": np.int16,
     "exit_facet": np.int16,
     "path_code": np.int32,
+}
+
+#: Channels that make each map, as the integrator and EXR files name them; vectors have three.
+MAP_CHANNELS: dict[str, tuple[str, ...]] = {
+    "primary_intensity": ("primary.intensity",),
+    "rear_mask": ("rear.mask",),
+    "coverage": ("coverage",),
+    "status": ("status",),
+    "reflections": ("reflections",),
+    "exit_point": ("exit.x", "exit.y", "exit.z"),
+    "exit_direction": ("exit.dx", "exit.dy", "exit.dz"),
+    "entry_facet": ("entry.facet",),
+    "exit_facet": ("exit.facet",),
+    "path_code": ("path.code",),
 }

@@ -64,7 +64,7 @@ class HalfSpaces:
 
 @dataclass(frozen=True, kw_only=True)
 class Paths:
-    """What became of n rays; `first_facets` (n, 4), -1 for none; angles' cosines (n, 2): in air, in the stone."""
+    """What became of n rays; their first facets (n, 4), -1 for none; cosines (n, 2): in air, in the stone."""
 
     status: np.ndarray
     reflections: np.ndarray
@@ -91,7 +91,11 @@ def half_spaces(p: RoundBrilliant) -> HalfSpaces:
     r_s, r_l = e + p.star / 100 * (1 - e), p.lower_girdle_contact / 100
     z_s, z_l = crown * (1 - r_s * cos) / (1 - r_t), -depth * (1 - r_l * cos)
 
-    even, odd, halves = 2 * _STEP * np.arange(8), _STEP * (2 * np.arange(8) + 1), _STEP * (np.arange(16) + 0.5)
+    even, odd, halves = (
+        2 * _STEP * np.arange(8),
+        _STEP * (2 * np.arange(8) + 1),
+        _STEP * (np.arange(16) + 0.5),
+    )
     star, bezel = (crown - z_s) / (r_s - e), crown / (1 - r_t)
     upper, lower = z_s / (half * (1 - r_s)), z_l / (half * (1 - r_l))
     # Azimuth, slope, height on the axis, and whether the stone lies below the plane.
@@ -105,7 +109,9 @@ def half_spaces(p: RoundBrilliant) -> HalfSpaces:
     ]
     normals, offsets = [], []
     for azimuth, slope, height, side in rings:
-        n = side * np.stack([slope * np.cos(azimuth), slope * np.sin(azimuth), np.ones_like(azimuth)], axis=-1)
+        n = side * np.stack(
+            [slope * np.cos(azimuth), slope * np.sin(azimuth), np.ones_like(azimuth)], axis=-1
+        )
         length = math.hypot(1.0, slope)
         normals.append(n / length)
         offsets.append(np.full(len(azimuth), side * height / length))
@@ -115,7 +121,7 @@ def half_spaces(p: RoundBrilliant) -> HalfSpaces:
 def follow(
     solid: HalfSpaces, o: np.ndarray, d: np.ndarray, index: float, max_reflections: int = 1000
 ) -> Paths:
-    """Follow rays from outside, by refraction and total reflection, until they leave (`model.md`, section 4)."""
+    """Follow rays from outside, by refraction and total reflection, until they leave (section 4)."""
     n = len(o)
     status, reflections = np.zeros(n, dtype=int), np.zeros(n, dtype=int)
     exit_facet, entry_facet = np.full(n, -1), np.full(n, -1)

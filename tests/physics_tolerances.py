@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-# ---- Rounding ----
+# ---- Rounding in double precision ----
 
 #: Values of order 1 after some dozen operations in float64 (rounding 1.1e-16 each).
 ROUNDING = 1e-14
 #: Angles from arccos: near 1 degree its slope is 60.
 ROUNDED_ANGLE = 1e-12
+#: Fresnel's laws in sines and tangents lose digits where the two angles are close.
+ROUNDED_SINES = 1e-12
 #: How far from the critical angle a ray is on the side that it was meant to be [deg]: that angle's rounding,
 #: and the rounding of what a stone's planes are made of, with room.
 CRITICAL_MARGIN_DEG = 1e-9
@@ -17,9 +19,17 @@ FEW_REFLECTIONS = 20
 PATH = 1e-9
 #: The intensity at its end: T falls from 80 % to 0 within the last few per cent of the cosine.
 PATH_PERCENT = 1000 * PATH
-#: Values of order 1, and intensities, that an Observation keeps in single precision (2^-24).
+
+# ---- Rounding in single precision (2^-24 = 6e-8) ----
+
+#: Values of order 1, and intensities, that an Observation keeps in single precision.
 SINGLE = 1.2e-7
 SINGLE_PERCENT = 100 * SINGLE
+#: Coordinates and directions that come out of two or three such roundings.
+COORDINATE = 3e-7
+#: Radiances of order 1, and intensities, after some dozen.
+SINGLE_RADIANCE = 1e-6
+SINGLE_INTENSITY = 100 * SINGLE_RADIANCE
 
 # ---- Numbers that a source prints ----
 
@@ -32,6 +42,16 @@ ONE_DECIMAL = 0.05
 #: The eight pixels, mirrored and turned, that a ray along an edge has in a map of 96 x 96, in per cent of the
 #: stone's: what rounding of a symmetric stone's vertices may change.
 ORBIT_96 = 8 * 100 / 7232
+#: Share of pixels in which an image and its mirror image may differ: rays within rounding of an edge, and
+#: those that are reflected a hundred times.
+SYMMETRIC_SHARE = 1e-3
+#: Share of rays with the same facet sequence in both tracers [%]: as many as the cross-check wants of exits.
+SAME_PATH = 99.9
+#: Error of Average and Rear of a map of 512 x 512 by sampling [%]. The edges of the facets' images, some 60
+#: long, cut 20 000 of its 200 000 cells, each right to 0.3 times the step in intensity (about 50): together
+#: 15 sqrt(20 000) / 200 000 = 0.01. For Rear the steps are 100 and symmetry lets eight errors count as one:
+#: 0.025 was found. This is two and a half times that.
+SAMPLING_512 = 0.06
 
 
 def outline_error(half_width: float, resolution: int) -> float:
@@ -41,3 +61,15 @@ def outline_error(half_width: float, resolution: int) -> float:
     at worst all across the map and half a cell off.
     """
     return half_width * (2 * half_width / resolution)
+
+
+# ---- Light by `path` ----
+
+#: Standard deviations that a mean by chance may be off: 7 in a million are further off, and the tests make
+#: some 300 such comparisons, so that a wrong alarm is one in 500 (their seeds are fixed).
+Z = 4.5
+#: Radiance above 1 in a white furnace: rounding of a throughput of a thousand factors of order 1.
+FURNACE_EXCESS = 1e-5
+#: Radiance below 1 in a white furnace, in the mean: paths that are still inside after a thousand segments.
+#: In sample 2, which keeps light longest, 6e-5 were found.
+FURNACE_DEFICIT = 2e-4

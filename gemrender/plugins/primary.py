@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import drjit as dr
 import mitsuba as mi
 
+from gemrender.errors import InputError
 from gemrender.observation import (
     INTENSITIES,
     LIGHT_LEVEL,
+    MAP_CHANNELS,
     MOST_REFLECTIONS,
     PATH_CODE_FACTOR,
     PATH_CODE_MASK,
@@ -21,26 +24,18 @@ from gemrender.scene.mesh import FACET_ATTRIBUTE, NORMAL_ATTRIBUTES, OFFSET_ATTR
 from gemrender.stone.topology import GIRDLE
 
 #: The integrator's channels, in order, after the film's own.
-AOV_NAMES = (
-    "primary.intensity",
-    "rear.mask",
-    "coverage",
-    "status",
-    "reflections",
-    "exit.x",
-    "exit.y",
-    "exit.z",
-    "exit.dx",
-    "exit.dy",
-    "exit.dz",
-    "entry.facet",
-    "exit.facet",
-    "path.code",
-)
+AOV_NAMES = tuple(name for names in MAP_CHANNELS.values() for name in names)
 
 #: How far the search for the next facet starts from the last one [girdle radius]. Must exceed the sagitta
 #: of the mesh's girdle (4.7e-6) and single precision's rounding at distance 1 (6e-8).
 RAY_OFFSET = 1e-5
+
+#: How far a surface's place along a ray may be from the mesh's [girdle radius]: more than the girdle's chords
+#: and arcs are apart along a ray that grazes it (3e-3), less than most ways through the stone.
+MOST_APART = 1e-2
+
+#: How far the relative index may be from the one that Gübelin's table holds for: as far as air's from 1.
+GUBELIN_MARGIN = 1e-3
 
 #: Further queries, beyond a surface that was passed by or from a place beside the last, before a ray counts
 #: as lost.
@@ -127,18 +122,31 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         self.fresnel = _choice(props, "fresnel", FRESNEL_LAWS)
         self.rear = _choice(props, "rear", REAR_RULES)
         self.intensity = _choice(props, "intensity", INTENSITIES)
-        int_ior, ext_ior = props.get("int_ior", GUBELIN_INDEX), props.get("ext_ior", 1.0)
-        max_reflections = props.get("max_reflections", MOST_REFLECTIONS)
-        if not 0 < ext_ior < int_ior:
-            raise ValueError(f"gem_primary: int_ior = {int_ior}: must be greater than ext_ior = {ext_ior}")
-        if max_reflections < 1:
-            raise ValueError(f"gem_primary: max_reflections = {max_reflections}: must be at least 1")
-        # Opaque: another value needs no other kernel.
-        self.int_ior = dr.opaque(mi.Float64, int_ior)
-        self.ext_ior = dr.opaque(mi.Float64, ext_ior)
-        self.max_reflections = dr.opaque(mi.UInt32, max_reflections)
+        self.int_ior = mi.Float64(_number(props, "int_ior", GUBELIN_INDEX))
+        self.ext_ior = mi.Float64(_number(props, "ext_ior", 1.0))
+        most = props.get("max_reflections", MOST_REFLECTIONS)
+        if isinstance(most, bool) or not isinstance(most, int) or not 1 <= most < 1 << 32:
+            raise InputError("must be a whole number, at least 1", key="max_reflections", value=most)
+        self.max_reflections = mi.UInt32(most)
         self.table_angles = mi.Float(GUBELIN_ANGLES_DEG)
         self.table_reflected = mi.Float(GUBELIN_REFLECTED)
+        self._update()
+
+    def _update(self) -> None:
+        """Check the parameters that can change, and keep them out of the kernel: literals are compiled in."""
+        int_ior, ext_ior = self.int_ior[0], self.ext_ior[0]
+        if not 0 < ext_ior < int_ior < math.inf:
+            raise InputError(f"must be greater than ext_ior = {ext_ior:g}", key="int_ior", value=int_ior)
+        if self.fresnel == "gubelin" and abs(int_ior / ext_ior - GUBELIN_INDEX) > GUBELIN_MARGIN:
+            raise InputError(
+                f"Gübelin's table holds for a relative index of {GUBELIN_INDEX} (diamond) only; "
+                "set fresnel to exact",
+                key="int_ior",
+                value=int_ior,
+            )
+        if self.max_reflections[0] < 1:
+            raise InputError("must be at least 1", key="max_reflections", value=self.max_reflections[0])
+        dr.make_opaque(self.int_ior, self.ext_ior, self.max_reflections)
 
     def traverse(self, cb: mi.TraversalCallback) -> None:
         """Expose the parameters that can change without a new kernel."""
@@ -147,8 +155,8 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         cb.put("max_reflections", self.max_reflections, mi.ParamFlags.NonDifferentiable)
 
     def parameters_changed(self, keys: list[str]) -> None:
-        """Keep changed parameters opaque."""
-        dr.make_opaque(self.int_ior, self.ext_ior, self.max_reflections)
+        """Take over changed parameters."""
+        self._update()
 
     def aov_names(self) -> list[str]:
         """Return the names of the channels after the film's own."""
@@ -212,7 +220,9 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
             to_mesh = dr.dot(mi.Point3d(start) - p, d) + mi.Float64(si.t)
             q, n = _meet(p, d, si, to_mesh, facet_here, n, offset)
             cos_i = dr.dot(n, d)
-            found &= cos_i > 0
+            # Beside an edge the mesh may show a face whose own place on this line is elsewhere.
+            apart = dr.dot(q - mi.Point3d(start), d) - mi.Float64(si.t)
+            found &= (cos_i > 0) & (dr.abs(apart) < MOST_APART)
             # What faces the other way is passed by; a ray may also slip through an edge in single precision.
             retries = dr.select(found, 0, retries + 1)
             again = inside & ~found & (retries <= MOST_RETRIES)
@@ -304,8 +314,8 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         """Radiance that arrives from outside along the ray that left the stone."""
         outside = mi.Ray3f(mi.Point3f(p), mi.Vector3f(d), ray.time, ray.wavelengths)
         environment = scene.environment()
-        if environment is not None and len(scene.emitters()) == 1:
-            si = dr.zeros(mi.SurfaceInteraction3f)  # nothing else shines: no need to look what stands there
+        if environment is not None and len(scene.shapes()) == 1:
+            si = dr.zeros(mi.SurfaceInteraction3f)  # only the stone is there: nothing stands in the way
             si.wi = -outside.d
             si.wavelengths = ray.wavelengths
             return environment.eval(si, active)
@@ -392,8 +402,15 @@ def _meet(
 def _choice(props: mi.Properties, key: str, allowed: tuple[str, ...]) -> str:
     value = props.get(key, allowed[0])
     if value not in allowed:
-        raise ValueError(f"gem_primary: {key} = {value!r}: must be one of {', '.join(allowed)}")
+        raise InputError(f"must be one of {', '.join(allowed)}", key=key, value=value)
     return str(value)
+
+
+def _number(props: mi.Properties, key: str, default: float) -> float:
+    value = props.get(key, default)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise InputError("must be a finite number", key=key, value=value)
+    return float(value)
 
 
 mi.register_integrator("gem_primary", lambda props: PrimaryIntegrator(props))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from gemrender.reference.path import RayPath, trace_paths
 from gemrender.reference.tracer import RayRecord, observe, trace
 
-__all__ = ["RayRecord", "observe", "trace"]
+__all__ = ["RayPath", "RayRecord", "observe", "trace", "trace_paths"]

@@ -145,6 +145,8 @@ class Surfaces:
 
     def _within(self, triangle: np.ndarray, point: np.ndarray) -> np.ndarray:
         """Whether points (n, 3) of the planes of the triangles (n,) lie on them, or beyond their chord."""
+        if self.stone.is_half_spaces:
+            return self._inside_all(point)
         edges = [
             np.einsum("ij,ij->i", self._functionals[k, triangle], point) - self._constants[k, triangle]
             for k in range(3)
@@ -159,6 +161,12 @@ class Surfaces:
                 above <= self.stone.triangle_offsets[opposite] + EDGE_TOLERANCE
             )
         return np.asarray(within)
+
+    def _inside_all(self, point: np.ndarray) -> np.ndarray:
+        """Whether points (n, 3) lie in all half-spaces of a stone with tilted facets, and in the cylinder."""
+        within = point @ self.stone.facet_normals.T <= self.stone.facet_offsets + EDGE_TOLERANCE
+        near = np.hypot(point[:, 0], point[:, 1]) <= 1.0 + EDGE_TOLERANCE
+        return np.asarray(within.all(axis=1) & near)
 
     def _girdle_distance(self, origin: np.ndarray, direction: np.ndarray, inside: bool) -> np.ndarray:
         """Distance to the girdle's wall, (n,); infinite for rays that miss it."""
@@ -231,6 +239,8 @@ class Surfaces:
 
     def _on_girdle(self, p: np.ndarray) -> np.ndarray:
         """Whether points of the wall lie between the facets above and below the girdle."""
+        if self.stone.is_half_spaces:
+            return self._inside_all(p)
         upper = p @ self.stone.triangle_normals[_UPPER].T <= self.stone.triangle_offsets[_UPPER]
         lower = p @ self.stone.triangle_normals[_LOWER].T <= self.stone.triangle_offsets[_LOWER]
         # Of each ring only the facet of the point's own sector bounds it.

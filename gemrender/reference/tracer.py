@@ -29,12 +29,13 @@ from gemrender.optics.fresnel import transmittance
 from gemrender.reference.surfaces import Surfaces
 from gemrender.stone import Stone
 
-__all__ = ["RayRecord", "observe", "trace"]
+__all__ = ["START_DISTANCE", "RayRecord", "observe", "trace"]
 
 #: Rays traced at a time: many, because the last few of each block are reflected hundreds of times.
 BLOCK = 1 << 16
 
-_START = 10.0  # distance from the origin at which rays begin, outside every stone [girdle radius]
+#: Distance from the origin at which rays begin, outside every stone [girdle radius].
+START_DISTANCE = 10.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,8 +61,18 @@ class RayRecord:
     path_code: np.ndarray
 
 
+#: Called at each surface with the rays' numbers (m,), the points (m, 3), facets (m,) and normals (m, 3), and
+#: the rays' directions (m, 3) before and after.
+OnSurface = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray], None]
+
+
 def trace(
-    stone: Stone | Surfaces, origin: np.ndarray, direction: np.ndarray, model: Model | None = None
+    stone: Stone | Surfaces,
+    origin: np.ndarray,
+    direction: np.ndarray,
+    model: Model | None = None,
+    *,
+    on_surface: OnSurface | None = None,
 ) -> RayRecord:
     """Follow rays from the eye back into the stone until they leave (the paper's sections 2.1 and 2.2).
 
@@ -75,6 +86,8 @@ def trace(
         Unit directions from the eye.
     model : Model, optional
         The optical model; by default the paper's.
+    on_surface : callable, optional
+        Told of every surface that a ray meets, for drawing paths.
     """
     surfaces = stone if isinstance(stone, Surfaces) else Surfaces(stone)
     model = model or Model()
@@ -101,7 +114,9 @@ def trace(
     normal, o, d = hit.normal[ray], origin[ray], direction[ray]
     cos_air = -np.einsum("ij,ij->i", d, normal)
     o = o + hit.distance[ray, None] * d
-    d = _into_stone(d, normal, model.index)
+    before, d = d, _into_stone(d, normal, model.index)
+    if on_surface is not None:
+        on_surface(ray, o, hit.facet[ray], normal, before, d)
     cos_stone = -np.einsum("ij,ij->i", d, normal)
     leaving = _crossing_factor(cos_air, cos_stone, model, towards_eye=True)
 
@@ -132,10 +147,13 @@ def trace(
         record.rear_mask[out] = rear
         record.primary_intensity[out] = np.where(rear, 0.0, LIGHT_LEVEL * entering * leaving[exits])
 
-        stays = ~exits
-        ray, o, leaving = ray[stays], o[stays], leaving[stays]
         # Equation (5): total reflection turns the normal component round.
-        d = d[stays] - 2.0 * cos_stone[stays, None] * normal[stays]
+        after = d - 2.0 * cos_stone[:, None] * normal
+        after[exits] = d_out
+        if on_surface is not None:
+            on_surface(ray, o, facet, normal, d, after)
+        stays = ~exits
+        ray, o, d, leaving = ray[stays], o[stays], after[stays], leaving[stays]
         record.reflections[ray] += 1
     record.status[ray] = RayStatus.TRAPPED
     record.reflections[ray] = model.max_reflections  # the last one is no more allowed
@@ -184,7 +202,7 @@ def observe(
         pixel = np.arange(begin, min(begin + BLOCK, n))
         row, column = np.divmod(pixel, view.resolution)
         if rays is None:
-            origin = x[column, None] * right + y[row, None] * up + _START * eye
+            origin = x[column, None] * right + y[row, None] * up + START_DISTANCE * eye
             direction = np.broadcast_to(-eye, origin.shape)
         else:
             origin, direction = (part[row, column] for part in rays)

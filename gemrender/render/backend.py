@@ -53,7 +53,7 @@ def ensure_variant(variant: str = "llvm_ad_mono") -> str:
         raise InputError(
             "scalar variants are refused, Python plugins trace only about 0.1 million rays a second in them; "
             "use llvm_ad_mono or llvm_ad_spectral",
-            source="--variant",
+            key="variant",
             value=variant,
         )
     if "drjit" not in sys.modules:
@@ -66,7 +66,7 @@ def ensure_variant(variant: str = "llvm_ad_mono") -> str:
     mi = _import_mitsuba()
     allowed = [name for name in mi.variants() if not name.startswith("scalar")]
     if variant not in allowed:
-        raise InputError(f"must be one of {', '.join(allowed)}", source="--variant", value=variant)
+        raise InputError(f"must be one of {', '.join(allowed)}", key="variant", value=variant)
     _check_backend(variant)
     if mi.variant() != variant:
         try:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from gemrender.observation import MAP_TYPES, Model, Observation, View
+from gemrender.observation import MAP_CHANNELS, MAP_TYPES, Model, Observation, View
 from gemrender.render.backend import ensure_variant
 from gemrender.scene.generator import rows_window, sensor, stone_scene
 from gemrender.stone import Stone
@@ -17,20 +17,6 @@ __all__ = ["film_rays", "follow", "observe", "sensor_rays"]
 
 #: Rays of a pass: enough to keep all cores busy, few enough that a pass stays well below 1 GiB.
 PASS_RAYS = 1 << 21
-
-#: Channels of `gem_primary` that make each map.
-_CHANNELS: dict[str, tuple[str, ...]] = {
-    "primary_intensity": ("primary.intensity",),
-    "rear_mask": ("rear.mask",),
-    "coverage": ("coverage",),
-    "status": ("status",),
-    "reflections": ("reflections",),
-    "exit_point": ("exit.x", "exit.y", "exit.z"),
-    "exit_direction": ("exit.dx", "exit.dy", "exit.dz"),
-    "entry_facet": ("entry.facet",),
-    "exit_facet": ("exit.facet",),
-    "path_code": ("path.code",),
-}
 
 
 def observe(
@@ -71,11 +57,11 @@ def observe(
     scene: Any = mi.load_dict(stone_scene(stone, view, model, rows=_rows_of_pass(view)))
     maps = {
         name: np.empty((*view.shape, 3) if len(channels) == 3 else view.shape, dtype=MAP_TYPES[name])
-        for name, channels in _CHANNELS.items()
+        for name, channels in MAP_CHANNELS.items()
     }
     for first, kept, ray in _passes(scene.sensors()[0], view):
         channels = follow(scene, ray)
-        for name, of_map in _CHANNELS.items():
+        for name, of_map in MAP_CHANNELS.items():
             rows = maps[name][first : first + kept]
             for k, channel in enumerate(of_map):
                 part = rows if len(of_map) == 1 else rows[..., k]

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import textwrap
-import unicodedata
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,6 +27,7 @@ __all__ = [
     "REAR_COLOUR",
     "UNSOLVED_COLOUR",
     "map_figure",
+    "map_picture",
     "write_map_figure",
 ]
 
@@ -68,7 +70,7 @@ def map_figure(observation: Observation) -> Figure:
     from matplotlib.figure import Figure
 
     result = score_observation(observation)
-    image = _picture(observation)
+    image = map_picture(observation)
     side = image.shape[0]
     dpi = side / _MAP
     width, height = (
@@ -90,8 +92,7 @@ def map_figure(observation: Observation) -> Figure:
 def write_map_figure(observation: Observation, path: Path) -> None:
     """Write the map's figure as PNG."""
     figure = map_figure(observation)
-    with warnings.catch_warnings():  # a letter that no font has is drawn as a box
-        warnings.filterwarnings("ignore", message="Glyph .* missing from", category=UserWarning)
+    with _boxes_for_letters():
         figure.savefig(path, format="png", dpi=figure.dpi, metadata={"Title": observation.stone.name})
 
 
@@ -135,7 +136,7 @@ def _draw_panel(axes: Axes, result: Score) -> None:
     axes.text(0, 3.35, f"Share of the top view by {measure}", fontsize=13, color=_GREY)
     widest = max(share for _, _, share in rows)
     for y, (colour, name, share) in enumerate(rows, start=4):
-        digits = 1 if share >= 0.05 or share == 0 else 2 - math.ceil(math.log10(share))
+        digits = 1 if share >= 0.05 or share == 0 else -math.floor(math.log10(share))
         axes.scatter(0.035, y, s=190, marker="s", facecolor=colour, edgecolor="#888888", linewidth=0.8)
         axes.text(0.095, y, name, fontsize=14, va="center_baseline")
         length = 0.42 * share / widest
@@ -162,27 +163,33 @@ def _draw_title(figure: Figure, name: str, x: float, y: float) -> None:
     from matplotlib.font_manager import fontManager
 
     lines = textwrap.wrap(name, 56)
-    columns = max(sum(1 + (unicodedata.east_asian_width(c) in "WF") for c in line) for line in lines)
     there = {font.name for font in fontManager.ttflist}
     family = ["DejaVu Sans", *[font for font in _EAST_ASIAN if font in there][:1]]
-    size = min(20.0, 20.0 * 48 / columns) * (1.0 if len(lines) == 1 else 0.75)
-    figure.text(
-        x,
-        y,
-        "\n".join(lines),
-        fontsize=size,
-        fontweight="bold",
-        family=family,
-        parse_math=False,
-        linespacing=1.1,
+    size = 20.0 if len(lines) == 1 else 15.0
+    title = figure.text(
+        x, y, "\n".join(lines), fontsize=size, fontweight="bold", family=family, parse_math=False
     )
+    with _boxes_for_letters():
+        wanted = title.get_window_extent().width
+    title.set_fontsize(min(size, size * 0.98 * (1 - x) * figure.bbox.width / wanted))
+
+
+@contextmanager
+def _boxes_for_letters() -> Iterator[None]:
+    """Do not warn of letters that no font has; they are drawn as boxes."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing from", category=UserWarning)
+        yield
 
 
 # ---- The map as a picture ------------------------------------------------------------------------------
 
 
-def _picture(observation: Observation) -> np.ndarray:
-    """Return the map in colours, (n, n, 3) uint8, n within `MAP_PIXELS`."""
+def map_picture(observation: Observation) -> np.ndarray:
+    """Return the map in colours, (n, n, 3) uint8, n within `MAP_PIXELS`.
+
+    A pixel shows one ray, or the mean colour of a whole number of rays a side.
+    """
     resolution = observation.view.resolution
     reduction = _reduction(resolution)
     side = -(-resolution // reduction)

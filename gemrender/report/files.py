@@ -16,24 +16,10 @@ import numpy as np
 
 import gemrender
 from gemrender.errors import InputError
-from gemrender.observation import Observation
+from gemrender.observation import MAP_CHANNELS, Observation
 from gemrender.score import score_observation
 
 __all__ = ["file_stems", "prepare_folder", "write_exr", "write_observation"]
-
-#: Channel of the EXR file for each map; vectors have three.
-CHANNELS: dict[str, tuple[str, ...]] = {
-    "primary_intensity": ("primary.intensity",),
-    "rear_mask": ("rear.mask",),
-    "coverage": ("coverage",),
-    "status": ("status",),
-    "reflections": ("reflections",),
-    "exit_point": ("exit.x", "exit.y", "exit.z"),
-    "exit_direction": ("exit.dx", "exit.dy", "exit.dz"),
-    "entry_facet": ("entry.facet",),
-    "exit_facet": ("exit.facet",),
-    "path_code": ("path.code",),
-}
 
 #: Longest stem of a file's name [bytes]: file systems take 255 with the ending.
 MOST_STEM_BYTES = 200
@@ -122,7 +108,7 @@ def write_exr(observation: Observation, path: Path) -> None:
     import OpenEXR
 
     channels = {}
-    for name, names in CHANNELS.items():
+    for name, names in MAP_CHANNELS.items():
         values = np.asarray(getattr(observation, name), dtype=np.float32)
         parts = [values] if len(names) == 1 else [values[..., k] for k in range(3)]
         channels.update({n: np.ascontiguousarray(p) for n, p in zip(names, parts, strict=True)})
@@ -133,7 +119,7 @@ def write_exr(observation: Observation, path: Path) -> None:
         "stone": observation.stone.name,
         "proportions": json.dumps(_proportions(observation)),
         "engine": f"{observation.engine} {observation.variant}".strip(),
-        "version": gemrender.__version__,
+        "gemrender.version": gemrender.__version__,  # "version" itself is OpenEXR's own, of another type
     }
     OpenEXR.File(header, channels).write(str(path))
 

@@ -61,7 +61,9 @@ def write_scene(folder: str | os.PathLike[str], name: str, stone: Stone, view: V
             ply, xml = Path(made, f"{name}.ply"), Path(made, f"{name}.xml")
             mesh.write_ply(str(ply))
             mi.parser.write_file(state, str(xml))
-            xml.write_text(_heading(stone) + xml.read_text(encoding="utf-8"), encoding="utf-8", newline="\n")
+            xml.write_text(
+                _heading(stone, name) + xml.read_text(encoding="utf-8"), encoding="utf-8", newline="\n"
+            )
             for file in (ply, xml):
                 file.replace(folder / file.name)
     except (OSError, RuntimeError) as error:  # Mitsuba reports a full disk as RuntimeError
@@ -70,10 +72,12 @@ def write_scene(folder: str | os.PathLike[str], name: str, stone: Stone, view: V
     return folder / f"{name}.xml"
 
 
-def _heading(stone: Stone) -> str:
-    """Return a comment that says what the file is and what reads it."""
-    name = re.sub("-(?=-)", "- ", stone.name)  # no comment may hold two hyphens together
-    return (
-        f"<!-- {name}, written by gemrender scene.\n"
-        "     To read it: mi.set_variant, import gemrender.plugins, mi.load_file. -->\n"
-    )
+def _heading(stone: Stone, name: str) -> str:
+    """Return a comment that says what the file is and how to read it."""
+    comment = f"""{stone.name}, written by gemrender scene. To read it in Python:
+    from gemrender.render.backend import ensure_variant
+    ensure_variant("llvm_ad_mono")
+    import mitsuba
+    scene = mitsuba.load_file("{name}.xml")
+"""
+    return f"<!-- {re.sub('-(?=-)', '- ', comment)}-->\n"  # no comment may hold two hyphens together

@@ -13,6 +13,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from gemrender.stone.half_spaces import half_space_mesh
 from gemrender.stone.solid import Stone
 from gemrender.stone.topology import (
     GIRDLE,
@@ -49,6 +50,8 @@ class StoneMesh:
         Outward unit normal of the plane that each face lies in; 0 on the girdle.
     face_offsets : (f,) float64
         Offset of that plane [girdle radius]; on the girdle the radius of its cylinder, 0 if not round.
+    face_patch : (f,) int64
+        Plane or girdle sector of each face: across its border the normal changes.
     corner_normals : (f, 3, 3) float64
         Outward unit normal at each corner of each face: the facet's, or the girdle wall's.
     """
@@ -59,6 +62,7 @@ class StoneMesh:
     face_normals: np.ndarray
     face_offsets: np.ndarray
     corner_normals: np.ndarray
+    face_patch: np.ndarray
 
     def split(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the mesh with vertices of their own for each plane and girdle sector: one normal a vertex.
@@ -68,13 +72,14 @@ class StoneMesh:
         positions, normals : (w, 3) float64
             One position and one normal a vertex.
         faces : (f, 3) int32
-            In the order of `self.faces`. The numbers of vertices and faces are those of every stone.
+            In the order of `self.faces`.
         """
-        corners, faces = _split_corners(len(self.vertices))
+        owner = np.repeat(self.face_patch, 3) * len(self.vertices) + self.faces.reshape(-1)
+        _, corners, inverse = np.unique(owner, return_index=True, return_inverse=True)
         return (
             self.vertices[self.faces.reshape(-1)[corners]],
             self.corner_normals.reshape(-1, 3)[corners],
-            faces,
+            inverse.reshape(-1, 3).astype(np.int32),
         )
 
 
@@ -91,19 +96,50 @@ def tessellate(stone: Stone, arc_segments: int = ARC_SEGMENTS) -> StoneMesh:
     Returns
     -------
     StoneMesh
-        78 + 64 `arc_segments` - 32 faces, in the same order for every stone.
+        78 + 64 `arc_segments` - 32 faces, in the same order for every stone but those with tilted facets.
     """
+    if stone.is_half_spaces:
+        vertices, faces, face_facet = half_space_mesh(stone.facet_normals, stone.facet_offsets, arc_segments)
+        plane = np.where(face_facet == GIRDLE, 0, face_facet)
+        return _with_normals(
+            stone,
+            vertices,
+            faces,
+            face_facet,
+            face_facet,
+            stone.facet_normals[plane],
+            stone.facet_offsets[plane],
+        )
     upper, lower = _arcs(stone, arc_segments)
     faces, face_triangle, face_facet = _topology(arc_segments)
     vertices = np.concatenate([stone.vertices, upper[:, 1:-1].reshape(-1, 3), lower[:, 1:-1].reshape(-1, 3)])
+    return _with_normals(
+        stone,
+        vertices,
+        faces,
+        face_facet,
+        face_triangle + N_SECTORS,
+        stone.triangle_normals[face_triangle],
+        stone.triangle_offsets[face_triangle],
+    )
 
+
+def _with_normals(
+    stone: Stone,
+    vertices: np.ndarray,
+    faces: np.ndarray,
+    face_facet: np.ndarray,
+    face_patch: np.ndarray,
+    face_normals: np.ndarray,
+    face_offsets: np.ndarray,
+) -> StoneMesh:
+    """Make the mesh from its faces and their planes; what is said of girdle faces' planes does not count."""
     on_girdle = face_facet == GIRDLE
-    face_normals = np.where(on_girdle[:, None], 0.0, stone.triangle_normals[face_triangle])
-    round_radius = 1.0 if stone.girdle.is_round else 0.0
-    face_offsets = np.where(on_girdle, round_radius, stone.triangle_offsets[face_triangle])
+    face_normals = np.where(on_girdle[:, None], 0.0, face_normals)
+    face_offsets = np.where(on_girdle, 1.0 if stone.girdle.is_round else 0.0, face_offsets)
     corner_normals = np.repeat(face_normals[:, None], 3, axis=1)
-    # Just inside the face: at a corner itself a measured wall may bend.
     wall = vertices[faces[on_girdle]]
+    # Just inside the face: at a corner itself a measured wall may bend.
     inner = wall if stone.girdle.is_round else wall + 1e-6 * (wall.mean(axis=1, keepdims=True) - wall)
     corner_normals[on_girdle] = stone.girdle.normals(inner.reshape(-1, 3)).reshape(-1, 3, 3)
     return StoneMesh(
@@ -112,6 +148,7 @@ def tessellate(stone: Stone, arc_segments: int = ARC_SEGMENTS) -> StoneMesh:
         face_facet=face_facet,
         face_normals=face_normals,
         face_offsets=face_offsets,
+        face_patch=face_patch,
         corner_normals=corner_normals,
     )
 
@@ -154,16 +191,6 @@ def _halving(i: int, k: int) -> list[tuple[int, int, int]]:
         return []
     m = (i + k) // 2
     return [(i, m, k), *_halving(i, m), *_halving(m, k)]
-
-
-@lru_cache(maxsize=4)
-def _split_corners(n_vertices: int) -> tuple[np.ndarray, np.ndarray]:
-    """Corners that become the vertices of the split mesh, and its faces."""
-    n = (n_vertices - N_VERTICES) // (2 * N_SECTORS) + 1
-    faces, triangle, _ = _topology(n)
-    owner = np.repeat(triangle + N_SECTORS, 3) * n_vertices + faces.reshape(-1)
-    _, corners, inverse = np.unique(owner, return_index=True, return_inverse=True)
-    return corners, inverse.reshape(-1, 3).astype(np.int32)
 
 
 # ---- Arcs ----

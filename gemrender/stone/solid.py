@@ -52,6 +52,10 @@ class Stone:
         Name of a gem material or its refractive index, as the stone file says; None is diamond.
     source : str or None
         Where the stone came from, for error messages.
+    tilted_planes : pair of (57, 3) and (57,) float64, or None
+        Outward unit normals and offsets of planes that take the place of the facets: the solid then is what
+        lies inside them and the cylinder of radius 1, and `vertices` are those before the tilt. `tilted`
+        makes them.
 
     Attributes
     ----------
@@ -77,6 +81,7 @@ class Stone:
     proportions: RoundBrilliant | None = None
     material: str | float | None = None
     source: str | None = None
+    tilted_planes: tuple[np.ndarray, np.ndarray] | None = field(default=None, repr=False)
     facet_normals: np.ndarray = field(init=False, repr=False)
     facet_offsets: np.ndarray = field(init=False, repr=False)
     triangle_normals: np.ndarray = field(init=False, repr=False)
@@ -87,6 +92,12 @@ class Stone:
         vertices = np.array(self.vertices, dtype=np.float64)
         check_vertices(vertices)
         normals, offsets, triangle_normals, triangle_offsets = _planes(vertices)
+        girdle = Girdle(upper=vertices[GIRDLE_UPPER], lower=vertices[GIRDLE_LOWER])
+        if self.tilted_planes is not None:
+            if not girdle.is_round:
+                raise InputError("facets can be tilted of stones with a round outline only")
+            normals, offsets = (np.array(part, dtype=np.float64) for part in self.tilted_planes)
+            triangle_normals, triangle_offsets = normals[TRIANGLE_FACET], offsets[TRIANGLE_FACET]
         made = {
             "vertices": vertices,
             "facet_normals": normals,
@@ -97,7 +108,6 @@ class Stone:
         for name, array in made.items():
             array.setflags(write=False)
             object.__setattr__(self, name, array)
-        girdle = Girdle(upper=vertices[GIRDLE_UPPER], lower=vertices[GIRDLE_LOWER])
         object.__setattr__(self, "girdle", girdle)
 
     @classmethod
@@ -157,6 +167,46 @@ class Stone:
         return Stone(
             vertices=self.vertices @ turn.T, name=self.name, material=self.material, source=self.source
         )
+
+    def tilted(self, deviation_deg: float, rng: np.random.Generator, *, name: str | None = None) -> Stone:
+        """Return the stone with every facet tilted at random about the middle of its vertices.
+
+        The facet's normal is turned by two angles, about two perpendicular axes in the facet, each normally
+        distributed.
+
+        Parameters
+        ----------
+        deviation_deg : float
+            Standard deviation of either angle [deg].
+        rng : numpy.random.Generator
+            Source of the angles.
+
+        Raises
+        ------
+        InputError
+            The stone's outline is not round.
+        """
+        middles = np.array([self.vertices[list(polygon)].mean(axis=0) for polygon in FACET_POLYGONS])
+        normals = self.facet_normals
+        helper = np.eye(3)[np.abs(normals).argmin(axis=1)]
+        u = np.cross(normals, helper)
+        u /= np.linalg.norm(u, axis=1, keepdims=True)
+        v = np.cross(normals, u)
+        a, b = np.tan(np.radians(rng.normal(0.0, deviation_deg, (2, len(normals), 1))))
+        turned = normals + a * u + b * v
+        turned /= np.linalg.norm(turned, axis=1, keepdims=True)
+        return Stone(
+            vertices=self.vertices,
+            name=name or self.name,
+            material=self.material,
+            source=self.source,
+            tilted_planes=(turned, np.einsum("ij,ij->i", turned, middles)),
+        )
+
+    @property
+    def is_half_spaces(self) -> bool:
+        """Whether the solid is made from tilted planes, not from the vertices."""
+        return self.tilted_planes is not None
 
     @property
     def facet_kinds(self) -> tuple[str, ...]:

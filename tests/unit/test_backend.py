@@ -72,7 +72,7 @@ def test_active_variant_is_not_set_again(monkeypatch):
 
 
 def test_scalar_variant_is_refused_with_the_reason():
-    with pytest.raises(InputError, match=r"--variant: 'scalar_rgb': .*0\.1 million rays"):
+    with pytest.raises(InputError, match=r"variant = 'scalar_rgb': .*0\.1 million rays"):
         backend.ensure_variant("scalar_rgb")
 
 

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import inspect
-import itertools
 import sys
-import textwrap
 
 import drjit as dr
 import mitsuba as mi
 import pytest
+from manuals import code_tab
 
 import gemrender.plugins
 
@@ -106,15 +104,6 @@ def test07_examples_of_the_manual_run_and_agree(variants_all, name):
     assert name in code_tab(manual, "python")
     assert name in code_tab(manual, "xml")
     assert described(from_dict) == described(from_xml)
-
-
-def code_tab(manual, language):
-    """Return the text of a code tab: what stands below its directive, further to the right."""
-    lines = inspect.cleandoc(manual).splitlines()
-    start = next(i for i, line in enumerate(lines) if line.strip() == f".. code-tab:: {language}")
-    margin = lines[start].index(".")
-    tab = itertools.takewhile(lambda line: not line[: margin + 1].strip(), lines[start + 1 :])
-    return textwrap.dedent("\n".join(line for line in tab if not line.strip().startswith(":")))
 
 
 def described(scene):

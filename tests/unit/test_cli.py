@@ -1,0 +1,441 @@
+"""The command line: bad input is one line and exit status 2, results are the contract's, stops are clean."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from observations import ROOT, TERMINAL_VARIABLES, environment, run_gemrender, run_python
+
+from gemrender import cli, crosscheck
+from gemrender.stone import bundled_stones
+
+#: A map that the reference traces in an instant.
+FAST = ["--engine", "reference", "--resolution", "16"]
+#: Time that an interrupted trace may take to stop [s]: the blocks under way are finished, which takes 1.3 s
+#: on two free processors.
+STOPS_WITHIN = 20.0
+
+STONE_FILE = """\
+name = {name}
+[proportions]
+table = 54.00
+star = 57.0
+lower_girdle_contact = 20.0
+crown_height = 15.70
+pavilion_depth = 43.08
+girdle_thickness = 2.50
+"""
+SAPPHIRE = '[material]\nname = "sapphire"\n'
+
+
+@pytest.fixture
+def gemrender(capsys, monkeypatch):
+    """Run the command line in this process; returns exit status, stdout and stderr."""
+    for variable in TERMINAL_VARIABLES:
+        monkeypatch.delenv(variable, raising=False)
+
+    def run(*arguments):
+        with pytest.raises(SystemExit) as caught:
+            cli.main([str(argument) for argument in arguments])
+        return (caught.value.code, *capsys.readouterr())
+
+    return run
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """An empty folder to work in."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def stone_file(path, name="a stone", more=""):
+    text = STONE_FILE.format(name=json.dumps(name, ensure_ascii=False)) + more
+    Path(path).write_text(text, encoding="utf-8")
+
+
+def names(folder):
+    return {path.name for path in Path(folder).iterdir()}
+
+
+# ---- Bad input -----------------------------------------------------------------------------------------
+
+SCORE = "score inoue-1"
+BAD_INPUT = {
+    "": "COMMAND: missing: one of score, crosscheck, ",
+    "scor inoue-1": "COMMAND = 'scor': must be one of score, crosscheck, ",
+    "--frob": "--frob: unknown option; must be one of --version, --help",
+    # ---- Stones ----
+    "score": "STONE: missing: stone files, or names of bundled stones",
+    "scene --out x": "STONE: missing: stone files, or names of bundled stones",
+    "crosscheck": "STONE: missing: name stones, or ask for some by --random",
+    "score inoue-9": "inoue-9: no such file; the bundled stones are fish-eye, ",
+    "score inoue-1 inoue-9 --out x": "inoue-9: no such file; ",
+    "score .": ".: cannot be read (Is a directory)",
+    "score text.toml": "text.toml: ",
+    "score table.toml": "table.toml: proportions.table = 'wide': must be a number",
+    "score short.csv": "short.csv: 1 rows: must be 57: ",
+    # ---- Options ----
+    f"{SCORE} --resoluton 9": "--resoluton: unknown option; must be one of --engine, --variant, ",
+    f"{SCORE} --resolution": "--resolution: requires an argument",
+    f"{SCORE} --json=3": "--json: does not take a value",
+    "stones inoue-1": "stones: got unexpected extra argument",
+    "scene inoue-1": "--out: missing: where to write the XML and PLY files",
+    # ---- Their values ----
+    f"{SCORE} --engine mitsubishi": "--engine = 'mitsubishi': must be one of mitsuba, reference",
+    f"{SCORE} --engine magic --out x": "--engine = 'magic': must be one of mitsuba, reference",
+    f"{SCORE} --variant mono --out x": "--variant = 'mono': must be one of llvm_ad_rgb, llvm_ad_mono, ",
+    f"{SCORE} --variant mono --engine reference": "--variant = 'mono': must be one of llvm_ad_rgb, ",
+    f"{SCORE} --variant scalar_rgb": "--variant = 'scalar_rgb': scalar variants are refused, ",
+    "crosscheck inoue-1 --variant mono": "--variant = 'mono': must be one of llvm_ad_rgb, llvm_ad_mono, ",
+    "scene inoue-1 --variant mono --out x": "--variant = 'mono': must be one of llvm_ad_rgb, ",
+    f"{SCORE} --resolution x": "--resolution = 'x': must be a whole number, such as 1024",
+    f"{SCORE} --resolution 1.5": "--resolution = '1.5': must be a whole number, such as 1024",
+    f"{SCORE} --resolution nan": "--resolution = 'nan': must be a whole number, such as 1024",
+    f"{SCORE} --resolution 0": "--resolution = 0: must be from 1 to 16384 pixels a side",
+    f"{SCORE} --resolution -3": "--resolution = -3: must be from 1 to 16384 pixels a side",
+    f"{SCORE} --resolution 16385": "--resolution = 16385: must be from 1 to 16384 pixels a side",
+    f"{SCORE} --resolution 1{'0' * 99}": f"--resolution = 1{'0' * 58}…: must be from 1 to 16384",
+    f"{SCORE} --resolution 1{'0' * 9999}": f"--resolution = '1{'0' * 57}…: must be a whole number",
+    f"{SCORE} --resolution 2 --tilt 85 --engine reference": "--resolution = 2: must be larger, no ray met",
+    f"{SCORE} --tilt x": "--tilt = 'x': must be a finite number of degrees",
+    f"{SCORE} --tilt nan": "--tilt = 'nan': must be a finite number of degrees",
+    f"{SCORE} --tilt inf": "--tilt = 'inf': must be a finite number of degrees",
+    f"{SCORE} --tilt 90": "--tilt = 90.0: must be from 0 to below 90",
+    f"{SCORE} --tilt -1": "--tilt = -1.0: must be from 0 to below 90",
+    f"{SCORE} --tilt-azimuth nan": "--tilt-azimuth = 'nan': must be a finite number of degrees",
+    f"{SCORE} --tilt-azimuth 1e999": "--tilt-azimuth = '1e999': must be a finite number of degrees",
+    f"{SCORE} --fresnel table": "--fresnel = 'table': must be one of gubelin, exact",
+    f"{SCORE} --rear below": "--rear = 'below': must be one of position, direction",
+    f"{SCORE} --intensity bright": "--intensity = 'bright': must be one of primary, radiance",
+    "score inoue-1 sapphire.toml --fresnel gubelin": "--fresnel = 'gubelin': Gübelin's table holds for "
+    "diamond (index 2.4173) only",
+    "crosscheck --random x": "--random = 'x': must be a whole number",
+    "crosscheck --random -1": "--random = -1: must be from 0 to 100000",
+    "crosscheck --random 1e9": "--random = '1e9': must be a whole number",
+    "crosscheck --random 1000000": "--random = 1000000: must be from 0 to 100000",
+    "crosscheck --random 1 --seed x": "--seed = 'x': must be a whole number",
+    "crosscheck --random 1 --seed -1": "--seed = -1: must not be negative",
+    # ---- Where to write ----
+    f"{SCORE} --out text.toml": "--out = 'text.toml': must be a folder that can be written: is a file",
+    f"{SCORE} --out text.toml/x": "--out = 'text.toml/x': must be a folder that can be written: Not a dir",
+    f"{SCORE} --out /proc/x": "--out = '/proc/x': must be a folder that can be written: ",
+    "scene inoue-1 --out text.toml": "--out = 'text.toml': must be a folder that can be written: is a file",
+}
+#: The same, where an argument is empty or holds spaces.
+BAD_ARGUMENTS = [
+    (["score", ""], "STONE = '': must be a stone file or one of fish-eye, "),
+    (["score", "inoue-1", "--out", ""], "--out = '': must be a folder that can be written: has no name"),
+    (["score", "inoue-1", "--engine", ""], "--engine = '': must be one of mitsuba, reference"),
+    (["score", "inoue-1", "--variant", ""], "--variant = '': must be one of llvm_ad_rgb, "),
+    (["score", "inoue-1", "--tilt", ""], "--tilt = '': must be a finite number of degrees"),
+    (["score", "a\nb\x1b[31m"], "a b\ufffd[31m: no such file; "),  # no second line, no commands to a terminal
+    (["score", "inoue-1", "--out", "\udcff"], "--out = '\\udcff': must be a folder that can be written: "),
+]
+TABLE = [(line.split(), words) for line, words in BAD_INPUT.items()] + BAD_ARGUMENTS
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"), TABLE, ids=[ascii(" ".join(arguments))[1:60] for arguments, _ in TABLE]
+)
+def test_bad_input_is_one_line_that_says_what_is_allowed(arguments, words, folder, gemrender):
+    Path("text.toml").write_text("no TOML")
+    Path("table.toml").write_text(STONE_FILE.format(name='"x"').replace("54.00", '"wide"'))
+    Path("short.csv").write_text("culet, 0, 0, -1\n")
+    stone_file("sapphire.toml", more=SAPPHIRE)
+    before = sorted(folder.rglob("*"))
+
+    status, out, err = gemrender(*arguments)
+
+    assert status == 2
+    assert err.count("\n") == 1
+    assert err.startswith(f"gemrender: {words}")
+    assert out == "" or not arguments  # without a command, help comes first
+    assert sorted(folder.rglob("*")) == before  # nothing is written, no folder made
+
+
+@pytest.mark.parametrize(
+    ("slip", "meant"),
+    [("scor inoue-1", "score"), (f"{SCORE} --resoluton 9", "--resolution"), ("score inoue3", "inoue-3")],
+)
+def test_a_slip_is_answered_with_what_was_meant(slip, meant, gemrender):
+    assert gemrender(*slip.split())[2].endswith(f"; did you mean {meant}?\n")
+
+
+def test_bad_input_with_json_leaves_stdout_empty(gemrender):
+    assert gemrender("score", "inoue-1", "--json", "--tilt", "x")[1] == ""
+
+
+def test_a_damaged_file_among_good_ones_stops_before_any_work(folder, gemrender):
+    Path("bad.toml").write_text("[proportions]\n")
+    status, out, err = gemrender("score", "inoue-1", "bad.toml", *FAST, "--out", "maps", "--json")
+    assert (status, out) == (2, "")
+    assert err.startswith("gemrender: bad.toml: [proportions]: missing table, ")
+    assert not Path("maps").exists()
+
+
+# ---- Results -------------------------------------------------------------------------------------------
+
+
+def test_json_is_the_contract(gemrender):
+    status, out, err = gemrender("score", "inoue-3", "inoue-1", *FAST, "--json")
+    assert (status, err) == (0, "")
+    first, second = json.loads(out)
+    assert (first["name"], second["name"]) == ("Inoue sample 3", "Inoue sample 1")
+    assert list(first)[:5] == ["name", "average", "rear", "bands", "trapped"]
+    assert list(first)[5:10] == ["engine", "variant", "resolution", "fresnel", "seconds"]
+    assert (first["engine"], first["resolution"], first["fresnel"]) == ("reference", 16, "gubelin")
+    assert [(band["from"], band["to"]) for band in first["bands"]] == [
+        (75, None), (60, 75), (45, 60), (30, 45), (15, 30), (0, 15),
+    ]  # fmt: skip
+    numbers = [first[key] for key in ("average", "rear", "trapped", "seconds")]
+    assert all(isinstance(number, float) for number in numbers + [band["share"] for band in first["bands"]])
+
+
+def test_json_of_mitsuba_names_its_variant(gemrender, variant_llvm_ad_mono):
+    (score,) = json.loads(gemrender("score", "inoue-3", "--resolution", "64", "--json")[1])
+    assert (score["engine"], score["variant"]) == ("mitsuba", "llvm_ad_mono")
+
+
+def test_options_reach_the_tracer(gemrender):
+    view = ["--tilt", "10", "--tilt-azimuth", "-20"]
+    rules = ["--fresnel", "exact", "--rear", "direction", "--intensity", "radiance"]
+    (score,) = json.loads(gemrender("score", "inoue-3", *FAST, *view, *rules, "--json")[1])
+    assert (score["tilt_deg"], score["tilt_azimuth_deg"]) == (10, -20)
+    assert (score["fresnel"], score["rear_rule"], score["intensity"]) == ("exact", "direction", "radiance")
+
+
+def test_the_table_has_a_row_a_stone_and_the_rules(gemrender):
+    status, out, err = gemrender("score", "inoue-3", "inoue-1", *FAST)
+    assert (status, err) == (0, "")
+    head, row3, row1 = (line for line in out.splitlines() if line.startswith((" Stone", " Inoue")))
+    bands = [">=", "75", "60-75", "45-60", "30-45", "15-30", "0-15"]
+    assert head.split() == ["Stone", "Average", "Rear", *bands, "Trapped"]
+    (score,) = json.loads(gemrender("score", "inoue-3", *FAST, "--json")[1])
+    assert row3.split()[:5] == ["Inoue", "sample", "3", f"{score['average']:.2f}", f"{score['rear']:.2f}"]
+    assert row1.startswith(" Inoue sample 1 ")
+    assert "reference, 16 x 16 rays." in out
+    assert "primary intensity, Gübelin's table (index 2.4173), rear light by position." in out
+
+
+def test_the_table_tells_stones_of_other_materials_apart(folder, gemrender):
+    stone_file("sapphire.toml", "blue", SAPPHIRE)
+    out = gemrender("score", "inoue-3", "sapphire.toml", *FAST)[1]
+    assert "Gübelin's table (index 2.4173), rear light by position: Inoue sample 3." in out
+    assert "Fresnel's equations (index 1.76808), rear light by position: blue." in out
+
+
+@pytest.mark.parametrize("name", ["[/] [bold]x", r"$\frac$", "石 «№ 1»", "{} %s", "W" * 100])
+def test_any_name_is_printed_as_it_is(name, folder, gemrender):
+    stone_file("x.toml", name)
+    status, out, err = gemrender("score", "x.toml", *FAST, "--out", "maps")
+    assert (status, err) == (0, "maps written to maps\n")
+    assert f" {name} " in out
+    assert names("maps") == {"x.exr", "x.png"}
+
+
+def test_maps_are_named_as_the_user_named_the_stones(folder, gemrender):
+    stone_file("Mein Stein ü.toml", "a/b")
+    assert gemrender("score", "inoue-3", "Mein Stein ü.toml", "inoue-3", *FAST, "--out", "a/b")[0] == 0
+    stems = ["inoue-3", "inoue-3-2", "mein-stein-ü"]
+    assert names("a/b") == {f"{stem}.{kind}" for stem in stems for kind in ("exr", "png")}
+
+
+def test_messages_keep_out_of_json(folder, gemrender):
+    status, out, err = gemrender("score", "inoue-3", *FAST, "--json", "--out", "maps")
+    assert (status, len(json.loads(out)), err) == (0, 1, "maps written to maps\n")
+
+
+def test_scene_writes_both_files(folder, gemrender, variant_llvm_ad_mono):
+    status, out, err = gemrender("scene", "inoue-3", "inoue-1", "--out", "s", "--resolution", "64")
+    assert (status, out, err) == (0, "", "written: s/inoue-3.xml\nwritten: s/inoue-1.xml\n")
+    assert names("s") == {"inoue-1.ply", "inoue-1.xml", "inoue-3.ply", "inoue-3.xml"}
+
+
+def test_stones_lists_the_bundled_ones(gemrender):
+    status, out, _ = gemrender("stones")
+    assert status == 0
+    assert [line.split()[0] for line in out.splitlines()] == bundled_stones()
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["-h"], ["score", "-h"], ["crosscheck", "--help"]])
+def test_help_is_no_error(arguments, gemrender):
+    status, out, err = gemrender(*arguments)
+    assert (status, err) == (0, "")
+    assert "Usage:" in out
+
+
+def test_progress_is_shown_on_a_terminal_and_taken_away(gemrender, monkeypatch):
+    monkeypatch.setattr(cli, "_PATIENCE", -1.0)
+    monkeypatch.setenv("FORCE_COLOR", "1")  # what rich takes for a terminal
+    status, out, err = gemrender("score", "inoue-3", "inoue-1", *FAST, "--json")
+    assert status == 0
+    assert len(json.loads(out)) == 2
+    assert "Inoue sample 1" in err
+    assert "100 %" in err
+
+
+def test_progress_of_many_stones_is_not_written_into_a_file(gemrender, monkeypatch):
+    monkeypatch.setattr(cli, "_PATIENCE", -1.0)
+    assert (
+        gemrender("score", *["inoue-3"] * 50, "--engine", "reference", "--resolution", "2", "--json")[2] == ""
+    )
+
+
+# ---- Cross-check ---------------------------------------------------------------------------------------
+
+
+def test_crosscheck_agrees_with_status_0(gemrender, variant_llvm_ad_mono):
+    status, out, err = gemrender("crosscheck", "inoue-3", "--random", "1", "--resolution", "48", "--json")
+    assert (status, err) == (0, "")
+    checks = json.loads(out)
+    assert [check["name"] for check in checks] == ["Inoue sample 3", "random 1.1"]
+    assert all(check["failures"] == [] for check in checks)
+
+
+def test_crosscheck_that_differs_has_status_1_and_still_prints(gemrender, monkeypatch, variant_llvm_ad_mono):
+    monkeypatch.setattr(crosscheck, "LEAST_SAME_EXIT", 100.5)
+    status, out, err = gemrender("crosscheck", "inoue-3", "--resolution", "16", "--json")
+    assert (status, err) == (1, "")
+    assert json.loads(out)[0]["failures"] == ["100.0000 % of rays end alike, at least 100.5 % must"]
+
+
+def test_crosscheck_prints_every_difference(gemrender, monkeypatch, variant_llvm_ad_mono):
+    monkeypatch.setattr(crosscheck, "LEAST_SAME_EXIT", 100.5)
+    out = gemrender("crosscheck", "inoue-3", "--resolution", "16")[1]
+    for column in (
+        "Same exit",
+        "Same path",
+        "ΔI mean",
+        "ΔI max",
+        "Lost",
+        "ΔAverage",
+        "ΔRear",
+        "Δ >= 75",
+        "Δ 0-15",
+    ):
+        assert column in out
+    assert "differs" in out
+    assert "Inoue sample 3: 100.0000 % of rays end alike, at least 100.5 % must" in out
+
+
+# ---- The process ---------------------------------------------------------------------------------------
+
+
+def test_the_reference_needs_no_mitsuba_and_no_llvm():
+    code = (
+        "import sys; from gemrender import cli; "
+        f"status = cli._run(['score', 'inoue-3', *{FAST}, '--json']); "
+        "print(status, {'mitsuba', 'drjit'} & set(sys.modules), file=sys.stderr)"
+    )
+    done = run_python("-c", code, environment={"DRJIT_LIBLLVM_PATH": "/nowhere/libLLVM.so"})
+    assert done.stderr == "0 set()\n"
+    assert json.loads(done.stdout)[0]["engine"] == "reference"
+
+
+def test_no_llvm_is_one_line_with_the_cure(tmp_path):
+    done = run_gemrender(
+        "score",
+        "inoue-3",
+        "--out",
+        str(tmp_path / "maps"),
+        environment={"DRJIT_LIBLLVM_PATH": "/nowhere/libLLVM.so"},
+    )
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
+    assert "unset DRJIT_LIBLLVM_PATH" in done.stderr
+    assert not (tmp_path / "maps").exists()
+
+
+@pytest.mark.parametrize("arguments", [["score", "inoue-3", *FAST], ["score", "inoue-3", *FAST, "--json"],
+                                       ["stones"], ["score", "--help"]], ids=" ".join)  # fmt: skip
+def test_a_reader_that_leaves_early_is_no_error_to_talk_about(arguments):
+    process = subprocess.Popen(
+        [sys.executable, "-m", "gemrender", *arguments],
+        env=environment({}),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+    process.stdout.close()
+    assert process.stderr.read() == b""
+    process.stderr.close()
+    process.wait()
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+@pytest.mark.parametrize("options", [[], ["--json"]], ids=["table", "json"])
+def test_a_full_disk_behind_stdout_is_one_line(options):
+    with Path("/dev/full").open("w") as full:
+        done = run_gemrender(
+            "score", "inoue-3", *FAST, *options, capture_output=False, stdout=full, stderr=subprocess.PIPE
+        )
+    assert (done.returncode, done.stderr) == (
+        1,
+        "gemrender: input or output failed: No space left on device\n",
+    )
+
+
+def shell(line):
+    """Run a line of shell in which $GEMRENDER scores a stone."""
+    command = f"'{sys.executable}' -m gemrender score inoue-3 {' '.join(FAST)}"
+    return subprocess.run(
+        ["sh", "-c", line.replace("$GEMRENDER", command)],
+        env=environment({}),
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+
+
+def test_a_full_disk_behind_out_is_one_line_and_leaves_nothing(tmp_path):
+    done = shell(f"ulimit -f 1; $GEMRENDER --out '{tmp_path}'")  # no file of more than one block
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
+    assert done.stderr.startswith(f"gemrender: {tmp_path / 'inoue-3'}: cannot be written: ")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_closed_streams_are_no_error():
+    done = shell("$GEMRENDER --json 2>&-")
+    assert (done.returncode, len(json.loads(done.stdout))) == (0, 1)
+    done = shell("$GEMRENDER inoue-9 2>&-")  # its message has nowhere to go, least of all to stdout
+    assert (done.returncode, done.stdout) == (2, "")
+    done = shell("$GEMRENDER >&-")
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_terminal_without_our_letters_shows_what_it_can(tmp_path):
+    stone_file(tmp_path / "x.toml", "石 1")
+    ascii_only = {"PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0", "LC_ALL": "C"}
+    done = run_gemrender("score", str(tmp_path / "x.toml"), *FAST, environment=ascii_only)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "|? 1 " in done.stdout
+    done = run_gemrender("score", str(tmp_path / "x.toml"), *FAST, "--json", environment=ascii_only)
+    assert json.loads(done.stdout)[0]["name"] == "石 1"
+
+
+def test_an_interruption_stops_soon_and_leaves_no_files(tmp_path):
+    maps = tmp_path / "maps"
+    process = subprocess.Popen(
+        [sys.executable, "-m", "gemrender", "score", "inoue-1", "--engine", "reference",
+         "--resolution", "8192", "--out", str(maps)],
+        env=environment({}), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    deadline = time.monotonic() + 60
+    while not maps.exists():  # made right before the trace
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    time.sleep(0.5)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=STOPS_WITHIN)
+    assert (process.returncode, out, err) == (130, "", "gemrender: interrupted\n")
+    assert list(maps.iterdir()) == []
+
+
+def test_the_module_and_the_version():
+    done = run_gemrender("--version", cwd=ROOT)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "0.1.0\n", "")

@@ -1,0 +1,98 @@
+"""What a Python user sees: names, what an import costs, and that the design's example runs."""
+
+from __future__ import annotations
+
+import importlib
+import pkgutil
+from types import ModuleType
+
+import pytest
+from observations import run_python
+
+import gemrender
+
+#: Everything but the plugins, which take their classes from a variant, and the module that is a program.
+MODULES = [
+    name
+    for _, name, _ in pkgutil.walk_packages(gemrender.__path__, "gemrender.")
+    if not name.startswith(("gemrender.plugins", "gemrender.__main__"))
+]
+
+#: The design's example, as printed there.
+EXAMPLE = """
+import gemrender
+stone = gemrender.load_stone("inoue-3")        # a bundled name, a file, or built from RoundBrilliant(...)
+result = gemrender.score(stone, engine="mitsuba", resolution=1024)
+result.average, result.rear, result.bands
+observation = gemrender.observe(stone)         # the maps behind the score
+"""
+
+
+def test_all_is_what_is_exported():
+    exported = {
+        name
+        for name in dir(gemrender)
+        if not name.startswith("_")
+        and not isinstance(value := getattr(gemrender, name), ModuleType)
+        and getattr(value, "__module__", "").startswith("gemrender")
+    }
+    assert exported == set(gemrender.__all__)
+
+
+def test_all_is_sorted_and_without_repetition():
+    assert gemrender.__all__ == sorted(set(gemrender.__all__))
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_every_module_has_what_its_all_names(name):
+    module = importlib.import_module(name)
+    if isinstance(module, ModuleType):
+        assert [member for member in getattr(module, "__all__", []) if not hasattr(module, member)] == []
+
+
+def test_an_unknown_name_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="module 'gemrender' has no attribute 'polish'"):
+        gemrender.polish  # noqa: B018
+
+
+HEAVY = "{'numpy', 'mitsuba', 'drjit', 'matplotlib', 'OpenEXR', 'rich', 'typer', 'colour'}"
+
+
+def test_the_import_is_light():
+    done = run_python("-c", f"import sys, gemrender; print(sorted({HEAVY} & set(sys.modules)))")
+    assert done.stdout == "[]\n", done.stderr
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["score", "--help"], ["--version"]], ids=" ".join)
+def test_help_needs_no_numbers(arguments):
+    heavy = "{'numpy', 'mitsuba', 'drjit', 'matplotlib', 'OpenEXR', 'colour'}"
+    done = run_python(
+        "-c",
+        f"import sys, gemrender.cli as c; s = c._run({arguments}); print(s, {heavy} & set(sys.modules))",
+    )
+    assert done.stdout.endswith("\n0 set()\n"), done.stdout + done.stderr
+
+
+def test_the_import_of_both_sets_no_variant():
+    code = "import gemrender, mitsuba; gemrender.load_stone('inoue-3'); print(mitsuba.variant())"
+    assert run_python("-c", code).stdout == "None\n"
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "import gemrender.score",
+        "from gemrender.score import Score",
+        "import gemrender.crosscheck",
+        "import gemrender.cli",
+        "import gemrender.engines; gemrender.load_stone('inoue-1')",
+    ],
+)
+def test_score_stays_the_function(statement):
+    code = f"import gemrender; {statement}; print(callable(gemrender.score), callable(gemrender.observe))"
+    assert run_python("-c", code).stdout == "True True\n"
+
+
+def test_the_example_of_the_design_runs():
+    done = run_python("-c", EXAMPLE + "print(round(result.average, 1), observation.primary_intensity.shape)")
+    assert done.stdout == "60.4 (1024, 1024)\n", done.stderr

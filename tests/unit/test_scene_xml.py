@@ -1,0 +1,94 @@
+"""Scenes as files: what Mitsuba reads back renders to the maps of `gemrender.observe`, bit by bit."""
+
+from __future__ import annotations
+
+import textwrap
+
+import numpy as np
+import pytest
+from observations import ROOT, STONE, run_python
+
+import gemrender
+from gemrender.errors import InputError
+from gemrender.observation import MAP_CHANNELS, Model, View
+from gemrender.scene.xml import write_scene
+from gemrender.stone import Stone
+
+#: The scene that is in the repository, and the command that writes it.
+COMMITTED = ROOT / "scenes" / "inoue-3.xml"
+RESOLUTION = 512
+COMMAND = f"gemrender scene inoue-3 --out scenes --resolution {RESOLUTION}"
+
+
+def assert_renders_as(path, observed):
+    """Load a scene file as any user of Mitsuba does, render it, and compare every channel."""
+    import mitsuba as mi
+
+    scene = mi.load_file(str(path))
+    image = np.asarray(mi.render(scene))
+    names = scene.integrator().aov_names()
+    first = image.shape[-1] - len(names)
+    for name, channels in MAP_CHANNELS.items():
+        parts = np.moveaxis(np.atleast_3d(getattr(observed, name)), -1, 0)
+        for channel, expected in zip(channels, parts, strict=True):
+            rendered = image[..., first + names.index(channel)]
+            np.testing.assert_array_equal(rendered, expected, err_msg=channel)
+
+
+@pytest.mark.parametrize("kind", ["xml", "ply"])
+def test_the_committed_scene_is_what_the_generator_writes(kind, tmp_path, variant_llvm_ad_mono):
+    stone = gemrender.load_stone("inoue-3")
+    written = write_scene(tmp_path, "inoue-3", stone, View.of(stone, RESOLUTION), Model.of(stone))
+    same = written.with_suffix(f".{kind}").read_bytes() == COMMITTED.with_suffix(f".{kind}").read_bytes()
+    assert same, f"scenes/inoue-3.{kind} is out of date; write it anew by: {COMMAND}"
+
+
+def test_the_committed_scene_renders_to_the_observed_maps(variant_llvm_ad_mono):
+    assert_renders_as(COMMITTED, gemrender.observe(STONE, resolution=RESOLUTION))
+
+
+def test_a_scene_renders_alike_in_every_variant(tmp_path, variants_all):
+    view = View.of(STONE, 64)
+    path = write_scene(tmp_path, "stone", STONE, view, Model.of(STONE))
+    assert_renders_as(path, gemrender.observe(STONE, resolution=64, variant=variants_all))
+
+
+def test_all_options_survive(tmp_path, variant_llvm_ad_mono):
+    stone = Stone.from_proportions(STONE.proportions, name="a sapphire", material="sapphire")
+    tilt = {"tilt_deg": 20.5, "tilt_azimuth_deg": -33.3}
+    rules = {"fresnel": "exact", "rear": "direction", "intensity": "radiance"}
+    path = write_scene(tmp_path, "stone", stone, View.of(stone, 64, **tilt), Model.of(stone, **rules))
+    assert_renders_as(path, gemrender.observe(stone, resolution=64, **tilt, **rules))
+
+
+def test_names_may_be_of_any_script(tmp_path, variant_llvm_ad_mono):
+    stone = Stone.from_vertices(STONE.vertices, name="石 <№ 1> & --- co")
+    path = write_scene(tmp_path / "ü 石", "石-1", stone, View.of(stone, 16), Model.of(stone))
+    assert_renders_as(path, gemrender.observe(stone, resolution=16))
+
+
+def test_the_committed_scene_says_how_to_read_it():
+    comment = COMMITTED.read_text(encoding="utf-8").partition("-->")[0]
+    title, *code = textwrap.dedent(comment).splitlines()
+    assert title.startswith("<!-- Inoue sample 3, ")
+    code = textwrap.dedent("\n".join(code)) + "\nprint(scene.integrator().aov_names()[0])"
+    done = run_python("-c", code, cwd=COMMITTED.parent)
+    assert done.stdout == "primary.intensity\n", done.stderr
+
+
+def test_nothing_else_is_left_behind(tmp_path, variant_llvm_ad_mono):
+    write_scene(tmp_path, "x", STONE, View.of(STONE, 16), Model())
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["x.ply", "x.xml"]
+
+
+def test_a_file_in_the_place_of_the_folder_is_told(tmp_path, variant_llvm_ad_mono):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="file/x: cannot be written: File exists"):
+        write_scene(tmp_path / "file", "x", STONE, View.of(STONE, 16), Model())
+
+
+def test_a_folder_in_the_place_of_the_mesh_is_told(tmp_path, variant_llvm_ad_mono):
+    (tmp_path / "x.ply").mkdir()
+    with pytest.raises(InputError, match="x: cannot be written: Is a directory"):
+        write_scene(tmp_path, "x", STONE, View.of(STONE, 16), Model())
+    assert [path.name for path in tmp_path.iterdir()] == ["x.ply"]
