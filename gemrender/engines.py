@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from gemrender.errors import InputError
 
@@ -18,6 +18,7 @@ __all__ = [
     "ENGINES",
     "VARIANTS",
     "observe",
+    "observe_both",
     "require_engine",
 ]
 
@@ -117,3 +118,22 @@ def observe(
     from gemrender.render.observe import observe as by_mitsuba
 
     return by_mitsuba(stone, view, model, variant=variant, progress=progress)
+
+
+def observe_both(
+    stone: Stone,
+    *,
+    variant: str = DEFAULT_VARIANT,
+    progress: Callable[[float], None] | None = None,
+    **options: Any,
+) -> tuple[Observation, Observation]:
+    """Trace the very same rays with Mitsuba and with the reference; options and errors as for `observe`.
+
+    Mitsuba's rays start where single precision puts them, and the reference follows just those.
+    """
+    by_mitsuba = observe(stone, engine="mitsuba", variant=variant, **options)
+    from gemrender.reference import observe as by_reference
+    from gemrender.render.observe import sensor_rays
+
+    rays = sensor_rays(by_mitsuba.view, variant=variant)
+    return by_mitsuba, by_reference(stone, by_mitsuba.view, by_mitsuba.model, rays=rays, progress=progress)

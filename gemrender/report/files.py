@@ -7,7 +7,7 @@ import os
 import re
 import tempfile
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -19,7 +19,7 @@ from gemrender.errors import InputError
 from gemrender.observation import MAP_CHANNELS, Observation
 from gemrender.score import score_observation
 
-__all__ = ["file_stems", "prepare_folder", "write_exr", "write_observation"]
+__all__ = ["file_stems", "prepare_folder", "write_exr", "write_observation", "write_whole"]
 
 #: Longest stem of a file's name [bytes]: file systems take 255 with the ending.
 MOST_STEM_BYTES = 200
@@ -87,16 +87,32 @@ def write_observation(observation: Observation, folder: Path, stem: str) -> list
     """
     from gemrender.report.figures import write_map_figure
 
-    writers = {f"{stem}.exr": write_exr, f"{stem}.png": write_map_figure}
+    return write_whole(
+        folder,
+        {
+            f"{stem}.exr": lambda path: write_exr(observation, path),
+            f"{stem}.png": lambda path: write_map_figure(observation, path),
+        },
+    )
+
+
+def write_whole(folder: Path, writers: Mapping[str, Callable[[Path], object]]) -> list[Path]:
+    """Write files by their writers, all of them or none; return their paths.
+
+    Raises
+    ------
+    InputError
+        They cannot be written.
+    """
     try:
         # Beside their place first, then moved there: a failure leaves what was there as it was.
         with tempfile.TemporaryDirectory(dir=folder, prefix=".gemrender-") as made:
             for name, write in writers.items():
-                write(observation, Path(made, name))
+                write(Path(made, name))
             return [Path(made, name).replace(folder / name) for name in writers]
     except (OSError, RuntimeError) as error:  # OpenEXR reports a full disk as RuntimeError
         reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"cannot be written: {reason}", source=str(folder / stem)) from error
+        raise InputError(f"cannot be written: {reason}", source=str(folder / next(iter(writers)))) from error
 
 
 def write_exr(observation: Observation, path: Path) -> None:

@@ -13,6 +13,7 @@ import pytest
 from observations import ROOT, TERMINAL_VARIABLES, environment, run_gemrender, run_python
 
 from gemrender import cli, crosscheck
+from gemrender.cli import output
 from gemrender.stone import bundled_stones
 
 #: A map that the reference traces in an instant.
@@ -272,7 +273,7 @@ def test_help_is_no_error(arguments, gemrender):
 
 
 def test_progress_is_shown_on_a_terminal_and_taken_away(gemrender, monkeypatch):
-    monkeypatch.setattr(cli, "_PATIENCE", -1.0)
+    monkeypatch.setattr(output, "_PATIENCE", -1.0)
     monkeypatch.setenv("FORCE_COLOR", "1")  # what rich takes for a terminal
     status, out, err = gemrender("score", "inoue-3", "inoue-1", *FAST, "--json")
     assert status == 0
@@ -282,7 +283,7 @@ def test_progress_is_shown_on_a_terminal_and_taken_away(gemrender, monkeypatch):
 
 
 def test_progress_of_many_stones_is_not_written_into_a_file(gemrender, monkeypatch):
-    monkeypatch.setattr(cli, "_PATIENCE", -1.0)
+    monkeypatch.setattr(output, "_PATIENCE", -1.0)
     assert (
         gemrender("score", *["inoue-3"] * 50, "--engine", "reference", "--resolution", "2", "--json")[2] == ""
     )
@@ -330,8 +331,8 @@ def test_crosscheck_prints_every_difference(gemrender, monkeypatch, variant_llvm
 
 def test_the_reference_needs_no_mitsuba_and_no_llvm():
     code = (
-        "import sys; from gemrender import cli; "
-        f"status = cli._run(['score', 'inoue-3', *{FAST}, '--json']); "
+        "import sys; from gemrender.cli.program import run; "
+        f"status = run(['score', 'inoue-3', *{FAST}, '--json']); "
         "print(status, {'mitsuba', 'drjit'} & set(sys.modules), file=sys.stderr)"
     )
     done = run_python("-c", code, environment={"DRJIT_LIBLLVM_PATH": "/nowhere/libLLVM.so"})

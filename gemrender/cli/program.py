@@ -1,0 +1,125 @@
+"""The commands put together; errors told in one line."""
+
+from __future__ import annotations
+
+import sys
+from typing import Annotated, Any, NoReturn
+
+import typer
+from typer.core import TyperGroup
+
+from gemrender.cli.about import doctor, stones
+from gemrender.cli.compare import compare
+from gemrender.cli.options import ARGUMENTS, listed
+from gemrender.cli.output import say
+from gemrender.cli.scene import scene
+from gemrender.cli.score import crosscheck, score
+from gemrender.cli.symmetry import symmetry
+from gemrender.errors import GemrenderError, InputError
+
+__all__ = ["app", "main", "run"]
+
+#: click's errors, wherever this version of typer keeps them.
+_click: Any = sys.modules[typer.BadParameter.__module__]
+
+
+class _Commands(TyperGroup):
+    """The commands; an unknown one is refused in gemrender's form."""
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        if args[0] not in self.commands:
+            raise InputError(f"must be one of {listed(args[0], self.commands)}", key="COMMAND", value=args[0])
+        return super().resolve_command(ctx, args)
+
+
+app = typer.Typer(
+    cls=_Commands,
+    help="See, measure and improve how a cut stone handles light.",
+    context_settings={"help_option_names": ["-h", "--help"]},
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+for _command in (score, compare, symmetry, crosscheck, scene, stones, doctor):
+    app.command()(_command)
+
+
+def main(arguments: list[str] | None = None) -> NoReturn:
+    """Run the command line; errors are one line on stderr, and the exit status is theirs."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):  # a terminal that lacks a letter shows a question mark
+            stream.reconfigure(errors="replace")
+    raise SystemExit(run(arguments))
+
+
+def run(arguments: list[str] | None) -> int:
+    """Run the command line and return its exit status."""
+    try:
+        status = int(app(arguments, standalone_mode=False) or 0)
+    except InputError as error:
+        return _fail(_as_argument(error))
+    except GemrenderError as error:
+        return _fail(error)
+    except _click.UsageError as error:
+        return _fail(_usage_error(error))
+    except (KeyboardInterrupt, typer.Abort):
+        status = 130
+    except BrokenPipeError:  # the reader has seen enough
+        return 1
+    except OSError as error:  # a full disk behind stdout, for one
+        return _fail(GemrenderError(f"input or output failed: {error.strerror or error}"))
+    except MemoryError:
+        return _fail(GemrenderError("out of memory; a smaller --resolution needs less"))
+    if status == 130:  # typer makes an exit of an interruption
+        say("gemrender: interrupted")
+    return status
+
+
+def _fail(error: GemrenderError) -> int:
+    say(f"gemrender: {' '.join(str(error).split())}")
+    return error.exit_status
+
+
+def _as_argument(error: InputError) -> InputError:
+    """Tell an error that came from no file as one of the command line's arguments and options."""
+    if error.source is not None or error.key not in ARGUMENTS:
+        return error
+    return InputError(error.allowed, key=ARGUMENTS[error.key], value=error.value)
+
+
+def _usage_error(error: Any) -> InputError:
+    """Tell one of click's errors as: option or argument, what is wrong, what is allowed."""
+    context = error.ctx
+    if isinstance(error, _click.NoSuchOption):
+        options = [name for param in context.command.get_params(context) for name in param.opts]
+        allowed = listed(error.option_name, (name for name in options if name.startswith("--")))
+        return InputError(f"unknown option; must be one of {allowed}", key=error.option_name)
+    if isinstance(error, _click.MissingParameter):
+        param = error.param
+        name = param.metavar if param.param_type_name == "argument" else param.opts[0]
+        return InputError(f"missing: {_as_clause(param.help or 'is required')}", key=name)
+    if isinstance(error, _click.BadOptionUsage):
+        # click says: Option '--name' requires an argument.
+        said = error.message.partition("' ")[2] or error.message
+        return InputError(_as_clause(said), key=error.option_name)
+    return InputError(_as_clause(error.format_message()), key=context.command.name if context else None)
+
+
+def _as_clause(sentence: str) -> str:
+    return sentence[:1].lower() + sentence[1:].rstrip(".")
+
+
+@app.callback(invoke_without_command=True)
+def _start(
+    ctx: typer.Context,
+    version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
+) -> None:
+    if version:
+        import gemrender
+
+        typer.echo(gemrender.__version__)
+        raise typer.Exit
+    if ctx.invoked_subcommand is None:
+        typer.echo(ctx.get_help())
+        group: Any = ctx.command
+        raise InputError(f"missing: one of {', '.join(group.commands)}", key="COMMAND")

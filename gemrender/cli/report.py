@@ -1,0 +1,58 @@
+"""The command `report`: stones in a browser, in one file."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from gemrender.cli.options import (
+    RESOLUTION,
+    Engine,
+    Fresnel,
+    Intensity,
+    Rear,
+    Resolution,
+    Stones,
+    Tilt,
+    TiltAzimuth,
+    Variant,
+    load,
+    trace_options,
+)
+from gemrender.cli.output import progress_bar, say
+from gemrender.engines import DEFAULT_ENGINE, DEFAULT_VARIANT
+
+__all__ = ["report"]
+
+
+def report(
+    stones: Stones,
+    out: Annotated[
+        str, typer.Option("--out", "-o", metavar="FILE", help="The HTML file to write.")
+    ] = "report.html",
+    engine: Engine = DEFAULT_ENGINE,
+    variant: Variant = DEFAULT_VARIANT,
+    resolution: Resolution = RESOLUTION,
+    fresnel: Fresnel = None,
+    rear: Rear = "position",
+    intensity: Intensity = "primary",
+    tilt: Tilt = "0",
+    tilt_azimuth: TiltAzimuth = "0",
+) -> None:
+    """Write a page for the browser: the stones in 3D, their maps, and the ray behind every point."""
+    from gemrender.engines import observe, require_engine
+    from gemrender.report.page import check_number, check_target, write_report
+
+    check_number(len(stones))
+    options = trace_options(resolution, fresnel, rear, intensity, tilt, tilt_azimuth)
+    loaded = load(stones, options)
+    check_target(out)
+    require_engine(engine, variant)
+    observations = []
+    with progress_bar(len(loaded)) as step:
+        for i, stone in enumerate(loaded):
+            progress = step(i, stone.name)
+            observations.append(observe(stone, engine=engine, variant=variant, progress=progress, **options))
+    path = write_report(observations, out)
+    say(f"written: {path}")

@@ -1,0 +1,233 @@
+"""Stones side by side: tables in several formats, maps on one colour scale, differences of two stones."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import textwrap
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gemrender.errors import InputError
+from gemrender.observation import Observation, RayStatus
+from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR, map_picture
+from gemrender.report.files import write_whole
+from gemrender.report.tables import band_name, model_text
+from gemrender.score import Score, score_observation
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = [
+    "FORMATS",
+    "Panel",
+    "comparison_figure",
+    "difference_figure",
+    "format_scores",
+    "panel",
+    "write_comparison",
+]
+
+#: Formats of the table besides the terminal's.
+FORMATS = ("table", "csv", "json", "markdown")
+
+#: Most maps in one figure; of more stones it shows the bars only.
+MOST_MAPS = 60
+#: Pixels a side that a map is kept at for the figure.
+PANEL_PIXELS = 400
+
+_INK, _GREY = "#222222", "#666666"
+
+#: A stone in a comparison: its scores and its map, small, (n, n, 3) uint8.
+Panel = tuple[Score, np.ndarray]
+
+
+def panel(observation: Observation) -> Panel:
+    """Return what a comparison keeps of an observation, so that many need little memory."""
+    picture = map_picture(observation)
+    step = max(1, len(picture) // PANEL_PIXELS)
+    side = len(picture) // step
+    blocks = picture[: side * step, : side * step].reshape(side, step, side, step, 3)
+    return score_observation(observation), blocks.mean(axis=(1, 3)).astype(np.uint8)
+
+
+def format_scores(scores: Sequence[Score], form: str) -> str:
+    """Return a table of the scores as "csv", "json" or "markdown"; all in per cent.
+
+    Raises
+    ------
+    InputError
+        Another format.
+    """
+    if form == "json":
+        return json.dumps([s.to_dict() for s in scores], indent=2, ensure_ascii=False)
+    head = ["stone", "average", "rear", *(band_name(b) for b in scores[0].bands), "trapped"]
+    rows = [
+        [
+            s.name,
+            f"{s.average:.2f}",
+            f"{s.rear:.2f}",
+            *(f"{b.share:.2f}" for b in s.bands),
+            f"{s.trapped:.3g}",
+        ]
+        for s in scores
+    ]
+    if form == "csv":
+        text = io.StringIO()
+        csv.writer(text, lineterminator="\n").writerows([head, *rows])
+        return text.getvalue().rstrip("\n")
+    if form == "markdown":
+        cells = [[cell.replace("|", "\\|") for cell in row] for row in [head, *rows]]
+        rule = ["---", *["---:"] * (len(head) - 1)]
+        return "\n".join(f"| {' | '.join(row)} |" for row in [cells[0], rule, *cells[1:]])
+    raise InputError(f"must be one of {', '.join(FORMATS)}", key="format", value=form)
+
+
+def comparison_figure(panels: Sequence[Panel]) -> Figure:
+    """Draw maps side by side on one colour scale, and the bands of all stones as bars.
+
+    Parameters
+    ----------
+    panels : sequence of Panel
+        The stones, in order; of more than 60 the bars only.
+    """
+    from matplotlib.figure import Figure
+
+    n = len(panels)
+    columns = min(n, 3 if n <= 3 else 4 if n <= 12 else 6)
+    rows = 0 if n > MOST_MAPS else math.ceil(n / columns)
+    width = max(7.6, 2.7 * columns) if rows else 10.0
+    map_height, bar_height = (width / columns) + 0.62 if rows else 0.0, 0.34 * n + 1.4
+    height = rows * map_height + bar_height
+    figure = Figure(figsize=(width, height), dpi=130 if n <= 12 else 100)
+    for i, (result, picture) in enumerate(panels[: rows * columns]):
+        row, column = divmod(i, columns)
+        left, bottom = column * width / columns + 0.12, height - (row + 1) * map_height + 0.08
+        side = width / columns - 0.24
+        axes = figure.add_axes((left / width, bottom / height, side / width, side / height))
+        axes.imshow(picture, interpolation="antialiased")
+        axes.set_axis_off()
+        _caption(figure, left / width, (bottom + side) / height, height, result)
+    _draw_bars(figure, [result for result, _ in panels], width, height, bar_height)
+    return figure
+
+
+def _caption(figure: Figure, x: float, y: float, height: float, result: Score) -> None:
+    name = textwrap.shorten(result.name, 30, placeholder=" …")
+    figure.text(x, y + 0.33 / height, name, fontsize=12, fontweight="bold", color=_INK, parse_math=False)
+    text = f"Average {result.average:.2f} %    Rear {result.rear:.2f} %"
+    figure.text(x, y + 0.1 / height, text, fontsize=10, color=_GREY)
+
+
+def _draw_bars(
+    figure: Figure, scores: Sequence[Score], width: float, height: float, bar_height: float
+) -> None:
+    """Draw a bar a stone: the shares of its bands, then Rear; the legend beneath."""
+    from matplotlib.patches import Patch
+
+    name_width, value_width = min(2.6, 0.3 * width), 1.05
+    axes = figure.add_axes(
+        (
+            name_width / width,
+            0.86 / height,
+            (width - name_width - value_width) / width,
+            (bar_height - 1.25) / height,
+        )
+    )
+    colours = (*BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR)
+    for y, s in enumerate(scores):
+        left = 0.0
+        shares = [*(b.share for b in s.bands), s.rear, s.trapped + s.lost]
+        for colour, share in zip(colours, shares, strict=True):
+            axes.barh(y, share, left=left, height=0.72, color=colour, edgecolor="white", linewidth=0.4)
+            left += share
+        axes.text(101, y, f"{s.average:.2f}", va="center", fontsize=10.5, fontweight="bold", color=_INK)
+    axes.set(xlim=(0, 100), ylim=(len(scores) - 0.5, -0.5))
+    axes.set_yticks(
+        range(len(scores)),
+        [textwrap.shorten(s.name, 26, placeholder=" …") for s in scores],
+        fontsize=10.5,
+        parse_math=False,
+    )
+    axes.set_xticks(range(0, 101, 20), [f"{x} %" for x in range(0, 101, 20)], fontsize=9.5, color=_GREY)
+    axes.tick_params(length=0)
+    axes.spines[["top", "right", "left", "bottom"]].set_visible(False)
+    axes.text(101, -0.62, "Average", fontsize=9.5, color=_GREY, va="bottom")
+    names = [f"{band_name(b).replace('>=', '≥').replace('-', '–')} %" for b in scores[0].bands]
+    handles = [Patch(facecolor=c, label=t) for c, t in zip(colours, [*names, "Rear"], strict=False)]
+    figure.legend(
+        handles=handles,
+        loc="lower left",
+        bbox_to_anchor=(0.1 / width, 0.24 / height),
+        ncols=len(handles),
+        frameon=False,
+        fontsize=9.5,
+        handlelength=1.0,
+        handleheight=1.0,
+        handletextpad=0.4,
+        columnspacing=1.0,
+        borderpad=0.0,
+    )
+    models = {model_text(s) for s in scores}
+    rules = models.pop() if len(models) == 1 else "by the rules of each stone's material"
+    text = f"{scores[0].resolution} × {scores[0].resolution} rays, {rules}"
+    figure.text(0.14 / width, 0.1 / height, text, fontsize=8.5, color=_GREY)
+
+
+def difference_figure(first: Observation, second: Observation) -> Figure:
+    """Draw where the first stone sends more light to the eye than the second, and where less.
+
+    Raises
+    ------
+    ValueError
+        The maps differ in size or view.
+    """
+    from matplotlib.figure import Figure
+
+    if first.view.shape != second.view.shape or first.view.tilt_deg != second.view.tilt_deg:
+        raise ValueError("the maps are of different views")
+    a, b = score_observation(first), score_observation(second)
+    difference = first.primary_intensity.astype(np.float64) - second.primary_intensity
+    outside = (first.status == RayStatus.MISSED) | (second.status == RayStatus.MISSED)
+    figure = Figure(figsize=(8.2, 6.6), dpi=130)
+    axes: Axes = figure.add_axes((0.03, 0.04, 0.76, 0.82))
+    image = axes.imshow(
+        np.ma.masked_array(difference, outside),
+        cmap="PuOr_r",
+        vmin=-100,
+        vmax=100,
+        interpolation="antialiased",
+        interpolation_stage="rgba",
+    )
+    axes.set_axis_off()
+    scale = figure.add_axes((0.83, 0.12, 0.028, 0.62))
+    bar = figure.colorbar(image, cax=scale)
+    bar.outline.set_visible(False)
+    bar.ax.tick_params(labelsize=10, length=0)
+    bar.set_ticks([-100, -50, 0, 50, 100], labels=["−100", "−50", "0", "+50", "+100"])
+    scale.set_title("Δ intensity\n[%]", fontsize=10, color=_GREY, loc="left", pad=10)
+    one, other = (textwrap.shorten(s.name, 34, placeholder=" …") for s in (a, b))
+    title = f"{one} minus {other}"
+    figure.text(0.035, 0.945, title, fontsize=15, fontweight="bold", color=_INK, parse_math=False)
+    text = f"Average {a.average - b.average:+.2f} %    Rear {a.rear - b.rear:+.2f} %".replace("-", "−")
+    figure.text(0.035, 0.895, text, fontsize=11.5, color=_GREY)
+    return figure
+
+
+def write_comparison(panels: Sequence[Panel], pair: Sequence[Observation], folder: Path) -> list[Path]:
+    """Write comparison.png, .csv and .json, and difference.png of a pair; all of them or none."""
+    scores = [result for result, _ in panels]
+    wanted: dict[str, Callable[[Path], object]] = {
+        "comparison.png": lambda path: comparison_figure(panels).savefig(path, format="png"),
+        "comparison.csv": lambda path: path.write_text(format_scores(scores, "csv") + "\n", encoding="utf-8"),
+        "comparison.json": lambda path: path.write_text(format_scores(scores, "json"), encoding="utf-8"),
+    }
+    if len(pair) == 2:
+        wanted["difference.png"] = lambda path: difference_figure(*pair).savefig(path, format="png")
+    return write_whole(folder, wanted)

@@ -1,0 +1,85 @@
+"""What a symmetry study found, as a table and a figure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from rich.console import Console
+from rich.text import Text
+
+from gemrender.report.files import write_whole
+from gemrender.report.tables import note, table
+from gemrender.sweep import SymmetryStudy
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["print_studies", "symmetry_figure", "write_symmetry_figure"]
+
+_COLOURS = {"average": "#1e9c89", "rear": "#3f4889"}
+_INK, _GREY = "#222222", "#666666"
+
+
+def print_studies(studies: Sequence[SymmetryStudy], console: Console) -> None:
+    """Print two rows a stone: Average and Rear of the perfect stone, and of its draws [%]."""
+    rows = table("", "Perfect", "Mean", "Deviation", "Median", "2.5 %", "97.5 %")
+    for study in studies:
+        summary = study.summary()
+        for label, key, perfect in (
+            ("Average", "average", study.perfect[0]),
+            ("Rear", "rear", study.perfect[1]),
+        ):
+            s = summary[key]
+            rows.add_row(
+                Text(study.name if key == "average" else ""),
+                label,
+                f"{perfect:.2f}",
+                *(f"{s[name]:.2f}" for name in ("mean", "deviation", "median", "low", "high")),
+            )
+    console.print(rows)
+    note(console, f"{rule_text(studies[0])}. All in per cent; central 95 % of draws.")
+
+
+def rule_text(study: SymmetryStudy) -> str:
+    """Say in words how the draws were made."""
+    draws = f"{len(study.average)} draws, seed {study.seed}, {study.resolution} x {study.resolution} rays"
+    if study.jitter:
+        return f"Vertices jittered by {study.jitter:g} girdle radii (standard deviation), {draws}"
+    return f"Facets tilted by {study.tilt_deg:g} deg (standard deviation), {draws}"
+
+
+def symmetry_figure(study: SymmetryStudy) -> Figure:
+    """Draw the distributions of Average and Rear, the perfect stone's marked."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9.2, 4.6), dpi=140)
+    figure.text(0.06, 0.915, study.name, fontsize=16, fontweight="bold", color=_INK, parse_math=False)
+    figure.text(0.06, 0.855, rule_text(study).replace(" x ", " × "), fontsize=10, color=_GREY)
+    summary = study.summary()
+    for column, (name, title) in enumerate((("average", "Average"), ("rear", "Rear"))):
+        values = np.array(getattr(study, name))
+        axes = figure.add_axes((0.06 + 0.48 * column, 0.15, 0.42, 0.52))
+        axes.hist(values, bins="auto", color=_COLOURS[name], edgecolor="white", linewidth=0.6)
+        s = summary[name]
+        axes.axvspan(s["low"], s["high"], color=_COLOURS[name], alpha=0.13, linewidth=0)
+        axes.axvline(study.perfect[column], color=_INK, linewidth=1.4, linestyle=(0, (4, 3)))
+        axes.set_xlabel(f"{title} [%]", fontsize=11.5, color=_INK)
+        axes.set_yticks([])
+        axes.spines[["top", "right", "left"]].set_visible(False)
+        axes.tick_params(labelsize=10.5, length=3)
+        text = f"{s['mean']:.2f} ± {s['deviation']:.2f} %"
+        axes.set_title(f"{title}  {text}", loc="left", fontsize=12.5, fontweight="bold", color=_INK, pad=26)
+        below = (
+            f"central 95 %: {s['low']:.2f} to {s['high']:.2f};  dashed: perfect, {study.perfect[column]:.2f}"
+        )
+        axes.text(0, 1.06, below, transform=axes.transAxes, fontsize=9.5, color=_GREY)
+    return figure
+
+
+def write_symmetry_figure(study: SymmetryStudy, path: Path) -> Path:
+    """Write the figure as PNG, whole or not at all; return its path."""
+    figure = symmetry_figure(study)
+    return write_whole(path.parent, {path.name: lambda part: figure.savefig(part, format="png")})[0]

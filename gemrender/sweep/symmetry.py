@@ -1,0 +1,279 @@
+"""What poor symmetry does to a stone's scores: the stone drawn many times, its facets tilted at random.
+
+Each draw has a seed of its own, so that a study can be stopped and resumed, and any draw be made again.
+"""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+import os
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gemrender.errors import InputError
+from gemrender.stone import Stone, tessellate
+
+__all__ = ["MOST_DRAWS", "SymmetryStudy", "check_study", "draw_stone", "study_symmetry"]
+
+MOST_DRAWS = 100_000
+#: Largest standard deviation [deg]: the worst stones sold are off by one or two.
+MOST_TILT_DEG = 5.0
+#: Largest standard deviation of a jittered vertex [girdle radius].
+MOST_JITTER = 0.05
+#: A draw that makes no stone (facets that vanish, vertices out of order) is drawn again so many times.
+MOST_ATTEMPTS = 100
+#: Draws that a process makes at a time: enough to hide the hand-over, few enough for a lively progress.
+_BATCH = 4
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SymmetryStudy:
+    """The scores of a stone's draws.
+
+    Attributes
+    ----------
+    name : str
+        The stone's name.
+    tilt_deg, jitter : float
+        Standard deviation of the facets' tilts [deg], or of the vertices' coordinates [girdle radius].
+    seed, resolution : int
+        Seed of the draws, and pixels a side.
+    average, rear : tuple of float
+        Average and Rear of each draw [%].
+    perfect : (float, float)
+        Average and Rear of the stone as it is [%].
+    """
+
+    name: str
+    tilt_deg: float
+    jitter: float
+    seed: int
+    resolution: int
+    average: tuple[float, ...]
+    rear: tuple[float, ...]
+    perfect: tuple[float, float]
+
+    def summary(self) -> dict[str, dict[str, float]]:
+        """Return mean, standard deviation, median and the limits of the central 95 % of both scores [%]."""
+        out = {}
+        for name in ("average", "rear"):
+            values = np.array(getattr(self, name))
+            low, median, high = np.percentile(values, [2.5, 50, 97.5])
+            deviation = float(values.std(ddof=1)) if len(values) > 1 else 0.0
+            out[name] = {
+                "mean": float(values.mean()),
+                "deviation": deviation,
+                "low": float(low),
+                "median": float(median),
+                "high": float(high),
+            }
+        return out
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the study for JSON."""
+        return {**asdict(self), "draws": len(self.average), "summary": self.summary()}
+
+
+def draw_stone(stone: Stone, tilt_deg: float, jitter: float, seed: int, number: int) -> Stone:
+    """Return draw `number` of a stone: facets tilted, or vertices jittered.
+
+    Raises
+    ------
+    InputError
+        No draw made a stone: the deviation is too large for it.
+    """
+    rng = np.random.default_rng([seed, number])
+    for _ in range(MOST_ATTEMPTS):
+        try:
+            if jitter:
+                moved = stone.vertices + rng.normal(0.0, jitter, stone.vertices.shape)
+                return Stone.from_vertices(moved, name=stone.name, material=stone.material)
+            drawn = stone.tilted(tilt_deg, rng)
+            tessellate(drawn, arc_segments=2)  # fails where crown and pavilion meet
+        except InputError as error:
+            last = error
+        else:
+            return drawn
+    raise InputError(f"makes no stone in {MOST_ATTEMPTS} draws: {last}", key="jitter" if jitter else "tilt",
+                     value=jitter or tilt_deg) from last  # fmt: skip
+
+
+def study_symmetry(
+    stone: Stone,
+    *,
+    tilt_deg: float = 0.5,
+    jitter: float = 0.0,
+    draws: int = 200,
+    seed: int = 1,
+    options: dict[str, Any] | None = None,
+    journal: Path | None = None,
+    processes: int | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> SymmetryStudy:
+    """Score many draws of a stone, on all processors.
+
+    Parameters
+    ----------
+    stone : Stone
+        The stone.
+    tilt_deg : float
+        Standard deviation of the two angles that each facet is tilted by, about a point on it [deg].
+    jitter : float
+        If not 0, jitter the vertices instead: standard deviation of each coordinate [girdle radius].
+    draws, seed : int
+        Number of draws and their seed.
+    options : dict, optional
+        Further arguments of `gemrender.observe`: engine, variant, resolution (256 by default) ...
+    journal : Path, optional
+        File that every score is added to when it is known; a study that was stopped goes on from it.
+    processes : int, optional
+        Processes to use; by default one a processor.
+    progress : callable, optional
+        Called with the share done, 0 to 1.
+
+    Raises
+    ------
+    InputError
+        A value out of range, or a journal of another study.
+    """
+    check_study([stone], tilt_deg=tilt_deg, jitter=jitter, draws=draws, seed=seed)
+    options = {"resolution": 256, **(options or {})}
+    head = {
+        "stone": stone.name,
+        "vertices": stone.vertices.tolist(),
+        "material": stone.material,
+        "tilt_deg": tilt_deg,
+        "jitter": jitter,
+        "seed": seed,
+        "options": options,
+    }
+    known = _read_journal(journal, head) if journal is not None else {}
+    known = {number: scores for number, scores in known.items() if number < draws}
+    missing = [number for number in range(-1, draws) if number not in known]  # -1: the stone itself
+    for number, scores in _scores(stone, tilt_deg, jitter, seed, missing, options, processes):
+        known[number] = scores
+        if journal is not None:
+            with journal.open("a", encoding="utf-8") as file:
+                file.write(json.dumps([number, *scores]) + "\n")
+        if progress is not None:
+            progress(len(known) / (draws + 1))
+    return SymmetryStudy(
+        name=stone.name,
+        tilt_deg=0.0 if jitter else tilt_deg,
+        jitter=jitter,
+        seed=seed,
+        resolution=options["resolution"],
+        average=tuple(known[number][0] for number in range(draws)),
+        rear=tuple(known[number][1] for number in range(draws)),
+        perfect=known[-1],
+    )
+
+
+def check_study(stones: Iterable[Stone], *, tilt_deg: float, jitter: float, draws: int, seed: int) -> None:
+    """Refuse values out of range, and stones that facets cannot be tilted of, before any work is done."""
+    for key, value, low, high in (
+        ("tilt", tilt_deg, 0.0, MOST_TILT_DEG),
+        ("jitter", jitter, 0.0, MOST_JITTER),
+        ("draws", draws, 1, MOST_DRAWS),
+        ("seed", seed, 0, 2**63 - 1),
+    ):
+        if not low <= value <= high:
+            raise InputError(f"must be from {low:g} to {high:g}", key=key, value=value)
+    for stone in stones:
+        if not jitter and not stone.girdle.is_round:
+            raise InputError(
+                "facets can be tilted of stones with a round outline only; use --jitter for measured ones",
+                source=stone.source or stone.name,
+            )
+
+
+def _read_journal(journal: Path, head: dict[str, Any]) -> dict[int, tuple[float, float]]:
+    """Scores that an earlier run has left; starts the journal where there is none."""
+    line = json.dumps(head)
+    try:
+        if not journal.exists():
+            journal.write_text(line + "\n", encoding="utf-8")
+            return {}
+        lines = journal.read_text(encoding="utf-8").splitlines()
+        if not lines or json.loads(lines[0]) != json.loads(line):
+            raise InputError(
+                "is the journal of another study; remove it, or name another folder", source=str(journal)
+            )
+        known = {}
+        for text in lines[1:]:
+            try:
+                number, average, rear = json.loads(text)
+            except ValueError:  # the line that was being written when the run was stopped
+                continue
+            known[int(number)] = (float(average), float(rear))
+        if not journal.read_text(encoding="utf-8").endswith("\n"):
+            with journal.open("a", encoding="utf-8") as file:
+                file.write("\n")
+        return known
+    except OSError as error:
+        raise InputError(f"cannot be written: {error.strerror}", source=str(journal)) from error
+    except json.JSONDecodeError as error:
+        raise InputError("is not the journal of a study", source=str(journal)) from error
+
+
+def _scores(
+    stone: Stone,
+    tilt_deg: float,
+    jitter: float,
+    seed: int,
+    numbers: list[int],
+    options: dict[str, Any],
+    processes: int | None,
+) -> Iterator[tuple[int, tuple[float, float]]]:
+    """Score the draws of these numbers, in any order."""
+    batches = [numbers[i : i + _BATCH] for i in range(0, len(numbers), _BATCH)]
+    work = (stone, tilt_deg, jitter, seed, options)
+    count = min(processes or os.cpu_count() or 1, len(batches))
+    if count <= 1:
+        for batch in batches:
+            yield from _score_batch(*work, batch, None)
+        return
+    # Spawned, since Mitsuba does not survive a fork; each with its share of the processors.
+    threads = max(1, (os.cpu_count() or 1) // count)
+    pool = ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"))
+    try:
+        waiting: set[Future[list[tuple[int, tuple[float, float]]]]] = {
+            pool.submit(_score_batch, *work, batch, threads) for batch in batches
+        }
+        while waiting:
+            done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
+            for future in done:
+                yield from future.result()
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _score_batch(
+    stone: Stone,
+    tilt_deg: float,
+    jitter: float,
+    seed: int,
+    options: dict[str, Any],
+    numbers: list[int],
+    threads: int | None,
+) -> list[tuple[int, tuple[float, float]]]:
+    from gemrender.engines import observe, require_engine
+    from gemrender.score import score_observation
+
+    if threads is not None and options.get("engine", "mitsuba") == "mitsuba":
+        require_engine("mitsuba", options.get("variant", "llvm_ad_mono"))
+        import drjit as dr
+
+        dr.set_thread_count(threads)
+    out = []
+    for number in numbers:
+        drawn = stone if number < 0 else draw_stone(stone, tilt_deg, jitter, seed, number)
+        result = score_observation(observe(drawn, **options))
+        out.append((number, (result.average, result.rear)))
+    return out

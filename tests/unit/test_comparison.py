@@ -1,0 +1,125 @@
+"""Stones side by side."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+
+import numpy as np
+import pytest
+
+from gemrender.errors import InputError
+from gemrender.observation import RayStatus
+from gemrender.report.comparison import (
+    FORMATS,
+    MOST_MAPS,
+    comparison_figure,
+    difference_figure,
+    format_scores,
+    panel,
+    write_comparison,
+)
+from gemrender.stone import Stone, load_stone
+from tests.observations import ROOT, observation, run_gemrender, run_python
+
+FAST = ("--engine", "reference", "--resolution", "32")
+
+
+def named(name: str) -> Stone:
+    return Stone.from_proportions(load_stone("inoue-3").proportions, name=name)
+
+
+def small(name: str = "stone", intensity: float = 50.0):
+    return observation(RayStatus.EXITED, resolution=16, stone=named(name), primary_intensity=intensity)
+
+
+def test_csv_has_a_row_a_stone():
+    scores = [panel(small("a, b", 50))[0], panel(small("c", 80))[0]]
+    rows = list(csv.DictReader(io.StringIO(format_scores(scores, "csv"))))
+    assert [row["stone"] for row in rows] == ["a, b", "c"]
+    assert [row["average"] for row in rows] == ["50.00", "80.00"]
+    assert [row["45-60"] for row in rows] == ["100.00", "0.00"]
+
+
+def test_markdown_escapes_what_would_end_a_cell():
+    lines = format_scores([panel(small("a|b"))[0]], "markdown").splitlines()
+    assert len(lines) == 3
+    assert lines[2].startswith(r"| a\|b | 50.00 | 0.00 |")
+
+
+def test_json_is_that_of_score():
+    score = panel(small())[0]
+    assert json.loads(format_scores([score], "json")) == json.loads(json.dumps([score.to_dict()]))
+
+
+def test_unknown_format_is_refused():
+    with pytest.raises(InputError, match="must be one of table, csv, json, markdown"):
+        format_scores([panel(small())[0]], "xml")
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 5, 20])
+def test_figure_shows_every_map(n):
+    figure = comparison_figure([panel(small(f"stone {i}")) for i in range(n)])
+    assert sum(bool(axes.images) for axes in figure.axes) == n
+
+
+def test_of_many_stones_it_shows_the_bars():
+    figure = comparison_figure([panel(small(f"stone {i}")) for i in range(MOST_MAPS + 1)])
+    assert not any(axes.images for axes in figure.axes)
+    assert len(figure.axes[-1].get_yticks()) == MOST_MAPS + 1
+
+
+def test_bars_fill_the_whole():
+    figure = comparison_figure([panel(small())])
+    bars = figure.axes[-1].patches
+    assert sum(bar.get_width() for bar in bars) == pytest.approx(100.0)
+
+
+def test_names_are_no_mathematics():
+    write = io.BytesIO()
+    comparison_figure([panel(small(r"$\frac$ [/]"))]).savefig(write, format="png")
+    assert write.tell() > 0
+
+
+def test_difference_is_first_minus_second():
+    figure = difference_figure(small(intensity=80), small(intensity=30))
+    assert np.ma.allequal(figure.axes[0].images[0].get_array(), 50.0)
+
+
+def test_difference_of_different_views_is_refused():
+    other = observation(RayStatus.EXITED, resolution=8)
+    with pytest.raises(ValueError, match="different views"):
+        difference_figure(small(), other)
+
+
+def test_files_of_a_pair(tmp_path):
+    pair = [small("a"), small("b")]
+    written = write_comparison([panel(o) for o in pair], pair, tmp_path)
+    assert sorted(p.name for p in written) == [
+        "comparison.csv", "comparison.json", "comparison.png", "difference.png",
+    ]  # fmt: skip
+    assert sorted(p.name for p in tmp_path.iterdir()) == sorted(p.name for p in written)
+
+
+@pytest.mark.parametrize("form", FORMATS)
+def test_command_prints_each_format(form):
+    done = run_gemrender("compare", "inoue-1", "inoue-3", *FAST, "--format", form)
+    assert done.returncode == 0, done.stderr
+    assert "Inoue sample 3" in done.stdout
+    assert done.stderr == ""
+
+
+def test_unwritable_folder_is_one_line(tmp_path):
+    (tmp_path / "file").write_text("")
+    done = run_gemrender("compare", "inoue-1", *FAST, "--out", str(tmp_path / "file"))
+    assert done.returncode == 2
+    assert len(done.stderr.splitlines()) == 1
+    assert done.stdout == ""
+
+
+def test_script_sets_paper_beside_program():
+    done = run_python(str(ROOT / "scripts" / "score_comparisons.py"), "--resolution", "64")
+    assert done.returncode == 0, done.stderr
+    assert "45.10" in done.stdout
+    assert "over 60" in done.stdout

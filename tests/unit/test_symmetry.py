@@ -1,0 +1,145 @@
+"""The symmetry study."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from gemrender.errors import InputError
+from gemrender.report.symmetry import print_studies, write_symmetry_figure
+from gemrender.stone import Stone, load_stone
+from gemrender.sweep import SymmetryStudy, study_symmetry
+from gemrender.sweep.symmetry import draw_stone
+from tests.observations import run_gemrender
+
+STONE = load_stone("inoue-2")
+#: A small study that needs no Mitsuba.
+SMALL = {"draws": 5, "seed": 3, "options": {"engine": "reference", "resolution": 24}, "processes": 1}
+#: The published Rear of sample 2 [%], a stone as measured.
+PAPER_REAR = 18.2
+
+
+def test_a_draw_depends_on_seed_and_number_alone():
+    one, other = (draw_stone(STONE, 0.5, 0.0, 7, 4) for _ in range(2))
+    assert np.array_equal(one.facet_normals, other.facet_normals)
+    assert not np.array_equal(one.facet_normals, draw_stone(STONE, 0.5, 0.0, 7, 5).facet_normals)
+    assert not np.array_equal(one.facet_normals, draw_stone(STONE, 0.5, 0.0, 8, 4).facet_normals)
+
+
+def test_jitter_moves_the_vertices():
+    moved = draw_stone(STONE, 0.5, 1e-3, 1, 0)
+    assert not moved.is_half_spaces
+    assert 0 < np.abs(moved.vertices - STONE.vertices).max() < 0.01
+
+
+def test_no_tilt_scores_the_stone_itself():
+    study = study_symmetry(STONE, tilt_deg=0.0, **SMALL)
+    assert study.average == pytest.approx([study.perfect[0]] * 5, abs=1e-9)
+    assert study.rear == pytest.approx([study.perfect[1]] * 5, abs=1e-9)
+
+
+def test_a_stopped_study_goes_on_to_the_same_end(tmp_path):
+    whole = study_symmetry(STONE, **SMALL)
+    journal = tmp_path / "study.jsonl"
+    study_symmetry(STONE, **{**SMALL, "draws": 3}, journal=journal)
+    text = journal.read_text()
+    journal.write_text(text + "[3, 47.1")  # stopped while writing
+    known = text.count("\n")
+    assert study_symmetry(STONE, **SMALL, journal=journal) == whole
+    assert journal.read_text().startswith(text)
+    assert len(journal.read_text().splitlines()) == known + 1 + 2, "only what was missing is drawn"
+
+
+def test_the_journal_of_another_study_is_refused_and_left(tmp_path):
+    journal = tmp_path / "study.jsonl"
+    study_symmetry(STONE, **SMALL, journal=journal)
+    before = journal.read_text()
+    with pytest.raises(InputError, match="another study"):
+        study_symmetry(STONE, **{**SMALL, "seed": 4}, journal=journal)
+    with pytest.raises(InputError, match="another study"):
+        study_symmetry(load_stone("inoue-3"), **SMALL, journal=journal)
+    assert journal.read_text() == before
+
+
+def test_a_file_that_is_no_journal_is_refused_and_left(tmp_path):
+    journal = tmp_path / "study.jsonl"
+    journal.write_text("my notes\n")
+    with pytest.raises(InputError, match="not the journal"):
+        study_symmetry(STONE, **SMALL, journal=journal)
+    assert journal.read_text() == "my notes\n"
+
+
+def test_processes_find_the_same(variant_llvm_ad_mono):
+    options = {**SMALL, "options": {"resolution": 32}}
+    assert study_symmetry(STONE, **{**options, "processes": 2}) == study_symmetry(STONE, **options)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"), [("tilt_deg", -1), ("tilt_deg", 6), ("jitter", 0.1), ("draws", 0), ("seed", -1)]
+)
+def test_values_out_of_range_are_refused(key, value):
+    with pytest.raises(InputError, match="must be from"):
+        study_symmetry(STONE, **{**SMALL, key: value})
+
+
+def test_a_measured_stone_is_refused_with_the_way_out():
+    moved = Stone.from_vertices(STONE.vertices + np.random.default_rng(1).normal(0, 1e-3, (57, 3)))
+    with pytest.raises(InputError, match="use --jitter"):
+        study_symmetry(moved, **SMALL)
+
+
+def test_summary_is_that_of_the_draws():
+    study = SymmetryStudy(
+        name="x", tilt_deg=0.5, jitter=0, seed=1, resolution=8, average=(1.0, 2.0, 3.0), rear=(4.0,) * 3,
+        perfect=(2.0, 4.0),
+    )  # fmt: skip
+    assert study.summary()["average"] == pytest.approx(
+        {"mean": 2.0, "deviation": 1.0, "low": 1.05, "median": 2.0, "high": 2.95}
+    )
+    assert study.summary()["rear"]["deviation"] == 0.0
+
+
+def test_poor_symmetry_explains_the_papers_rear_of_sample_2(variant_llvm_ad_mono):
+    study = study_symmetry(STONE, draws=60, options={"resolution": 128}, processes=1)
+    rear = study.summary()["rear"]
+    assert rear["low"] < PAPER_REAR < rear["high"]
+    assert study.perfect[1] < rear["low"], "a perfect stone does not"
+
+
+def test_figure_and_table(tmp_path, capsys):
+    from rich.console import Console
+
+    study = study_symmetry(STONE, **SMALL)
+    path = write_symmetry_figure(study, tmp_path / "study.png")
+    assert path.stat().st_size > 10_000
+    print_studies([study], Console(width=120))
+    out = capsys.readouterr().out
+    assert f"{study.perfect[1]:.2f}" in out
+    assert "Inoue sample 2" in out
+
+
+def test_command_prints_json():
+    done = run_gemrender(
+        "symmetry", "inoue-2", "--draws", "2", "--engine", "reference", "--resolution", "16", "--json"
+    )
+    assert done.returncode == 0, done.stderr
+    (study,) = json.loads(done.stdout)
+    assert study["draws"] == 2
+    assert set(study["summary"]) == {"average", "rear"}
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--tilt", "x"], "--tilt = 'x': must be a finite number of degrees"),
+        (["--tilt", "9"], "--tilt = 9.0: must be from 0 to 5"),
+        (["--draws", "0"], "--draws = 0: must be from 1 to 100000"),
+        (["--jitter", "1"], "--jitter = 1.0: must be from 0 to 0.05"),
+    ],
+)
+def test_bad_input_is_one_line(words, said):
+    done = run_gemrender("symmetry", "inoue-2", *words)
+    assert done.returncode == 2
+    assert done.stderr == f"gemrender: {said}\n"

@@ -1,0 +1,110 @@
+"""Stones with tilted facets: 57 half-spaces and a cylinder."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from gemrender.crosscheck import crosscheck
+from gemrender.engines import observe, observe_both
+from gemrender.errors import InputError
+from gemrender.score import score_observation
+from gemrender.stone import RoundBrilliant, Stone, load_stone, tessellate
+from gemrender.stone.topology import FACET_POLYGONS, GIRDLE
+from tests.solids import assert_closed, mesh_volume
+from tests.tolerances import PLANE, ROUNDING, SAGITTA
+
+SEEDS = range(6)
+#: Volume of a stone whose facets turn by half a degree about their middles: second order in the angle,
+#: (0.0087)^2 times lengths and areas of order 1, a few of them.
+VOLUME_CHANGE = 5e-3
+#: A stone tilted by nothing has the same planes; what differs is the mesh, by the sagitta of its arcs.
+SAME_SCORE = 0.02
+
+
+def tilted(name: str, seed: int, deviation_deg: float = 0.5) -> Stone:
+    return load_stone(name).tilted(deviation_deg, np.random.default_rng(seed))
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("name", ["inoue-1", "inoue-2", "inoue-3"])
+def test_mesh_is_closed(name, seed):
+    assert_closed(tessellate(tilted(name, seed)))
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_no_vertex_lies_outside_a_half_space_or_the_cylinder(seed):
+    stone = tilted("inoue-2", seed)
+    v = tessellate(stone).vertices
+    assert (v @ stone.facet_normals.T - stone.facet_offsets).max() <= PLANE
+    assert np.hypot(v[:, 0], v[:, 1]).max() <= 1.0 + ROUNDING
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_faces_lie_in_the_planes_of_their_facets(seed):
+    stone = tilted("inoue-3", seed)
+    mesh = tessellate(stone)
+    flat = mesh.face_facet != GIRDLE
+    corners = mesh.vertices[mesh.faces[flat]]
+    height = np.einsum("fij,fj->fi", corners, mesh.face_normals[flat]) - mesh.face_offsets[flat, None]
+    assert np.abs(height).max() <= PLANE
+    rim = mesh.vertices[mesh.faces[~flat]]
+    assert np.abs(np.hypot(rim[..., 0], rim[..., 1]) - 1.0).max() <= SAGITTA
+
+
+def test_every_plane_turns_about_the_middle_of_its_facet():
+    stone, turned = load_stone("inoue-1"), tilted("inoue-1", 1)
+    middles = np.array([stone.vertices[list(p)].mean(axis=0) for p in FACET_POLYGONS])
+    on_plane = np.einsum("ij,ij->i", middles, turned.facet_normals) - turned.facet_offsets
+    assert np.abs(on_plane).max() <= PLANE
+
+
+def test_angles_have_the_deviation_asked_for():
+    stone, rng = load_stone("inoue-3"), np.random.default_rng(1)
+    n = 40
+    cos = [np.einsum("ij,ij->i", stone.facet_normals, stone.tilted(0.5, rng).facet_normals) for _ in range(n)]
+    angles = np.degrees(np.arccos(np.clip(cos, -1, 1)))
+    # Two normal angles: the mean square is twice the variance; its relative error 1 / sqrt(57 n).
+    assert np.mean(angles**2) == pytest.approx(2 * 0.5**2, rel=5 / np.sqrt(57 * n))
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_volume_hardly_changes(seed):
+    straight = mesh_volume(tessellate(load_stone("inoue-2")))
+    assert mesh_volume(tessellate(tilted("inoue-2", seed))) == pytest.approx(straight, abs=VOLUME_CHANGE)
+
+
+@pytest.mark.parametrize("engine", ["reference", "mitsuba"])
+def test_a_tilt_so_small_that_it_does_not_count_leaves_the_score(engine, variant_llvm_ad_mono):
+    options = {"engine": engine, "resolution": 128}
+    straight = score_observation(observe(load_stone("inoue-3"), **options))
+    turned = score_observation(observe(tilted("inoue-3", 1, 1e-7), **options))
+    assert turned.average == pytest.approx(straight.average, abs=SAME_SCORE)
+    assert turned.rear == pytest.approx(straight.rear, abs=SAME_SCORE)
+
+
+@pytest.mark.parametrize("tilt_deg", [0.0, 30.0])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_both_tracers_agree(seed, tilt_deg, variant_llvm_ad_mono):
+    check = crosscheck(*observe_both(tilted("inoue-3", seed), resolution=160, tilt_deg=tilt_deg))
+    assert check.failures == []
+
+
+def test_girdle_too_thin_for_the_tilt_is_refused():
+    thin = RoundBrilliant(
+        table=54,
+        star=57,
+        lower_girdle_contact=20,
+        crown_height=15.7,
+        pavilion_depth=43.08,
+        girdle_thickness=1,
+    )
+    stone = Stone.from_proportions(thin).tilted(1.0, np.random.default_rng(1))
+    with pytest.raises(InputError, match="the girdle is too thin"):
+        tessellate(stone)
+
+
+def test_measured_outline_is_refused():
+    moved = load_stone("inoue-3").vertices + np.random.default_rng(1).normal(0, 1e-3, (57, 3))
+    with pytest.raises(InputError, match="round outline only"):
+        Stone.from_vertices(moved).tilted(0.5, np.random.default_rng(1))
