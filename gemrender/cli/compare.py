@@ -52,7 +52,7 @@ def compare(
     from gemrender.score import score_observation
 
     if form not in FORMATS:
-        raise InputError(f"must be one of {', '.join(FORMATS)}", key="--format", value=form)
+        raise InputError(f"must be one of {', '.join(FORMATS)}", key="format", value=form)
     options = trace_options(resolution, fresnel, rear, intensity, tilt, tilt_azimuth)
     loaded = load(stones, options)
     require_engine(engine, variant)

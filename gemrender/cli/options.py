@@ -60,7 +60,7 @@ ARGUMENTS = {
         key: f"--{key.replace('_', '-')}"
         for key in (
             "engine", "variant", "resolution", "fresnel", "rear", "intensity", "tilt", "tilt_azimuth",
-            "random", "seed", "out", "draws", "jitter",
+            "random", "seed", "out", "draws", "jitter", "what", "at", "azimuth", "rays", "format",
         )
     },
 }  # fmt: skip

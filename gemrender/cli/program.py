@@ -12,8 +12,10 @@ from gemrender.cli.about import doctor, stones
 from gemrender.cli.compare import compare
 from gemrender.cli.options import ARGUMENTS, listed
 from gemrender.cli.output import say
+from gemrender.cli.report import report
 from gemrender.cli.scene import scene
 from gemrender.cli.score import crosscheck, score
+from gemrender.cli.show import show
 from gemrender.cli.symmetry import symmetry
 from gemrender.errors import GemrenderError, InputError
 
@@ -40,7 +42,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-for _command in (score, compare, symmetry, crosscheck, scene, stones, doctor):
+for _command in (score, compare, show, report, symmetry, crosscheck, scene, stones, doctor):
     app.command()(_command)
 
 

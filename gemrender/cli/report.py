@@ -49,10 +49,11 @@ def report(
     loaded = load(stones, options)
     check_target(out)
     require_engine(engine, variant)
-    observations = []
     with progress_bar(len(loaded)) as step:
-        for i, stone in enumerate(loaded):
-            progress = step(i, stone.name)
-            observations.append(observe(stone, engine=engine, variant=variant, progress=progress, **options))
-    path = write_report(observations, out)
+        # One after the other: the page keeps less of each than its maps.
+        traced = (
+            observe(stone, engine=engine, variant=variant, progress=step(i, stone.name), **options)
+            for i, stone in enumerate(loaded)
+        )
+        path = write_report(traced, out)
     say(f"written: {path}")

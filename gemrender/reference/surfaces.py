@@ -176,6 +176,11 @@ class Surfaces:
         else:
             t = self._measured_wall(origin, direction, inside)
         ok = np.flatnonzero(np.isfinite(t) & (t >= -EDGE_TOLERANCE))
+        if not self.stone.is_half_spaces:
+            # Beyond these heights there is no wall: what gets there has slipped between two planes.
+            z = origin[ok, 2] + t[ok] * direction[ok, 2]
+            low, high = girdle.lower[:, 2].min() - EDGE_TOLERANCE, girdle.upper[:, 2].max() + EDGE_TOLERANCE
+            ok = ok[(z >= low) & (z <= high)]
         if not girdle.is_round:
             normals = girdle.normals(origin[ok] + t[ok, None] * direction[ok])
             facing = np.einsum("ij,ij->i", direction[ok], normals)

@@ -104,15 +104,18 @@ def write_whole(folder: Path, writers: Mapping[str, Callable[[Path], object]]) -
     InputError
         They cannot be written.
     """
+    written, name = [], ""
     try:
         # Beside their place first, then moved there: a failure leaves what was there as it was.
         with tempfile.TemporaryDirectory(dir=folder, prefix=".gemrender-") as made:
             for name, write in writers.items():
                 write(Path(made, name))
-            return [Path(made, name).replace(folder / name) for name in writers]
+            for name in writers:
+                written.append(Path(made, name).replace(folder / name))
     except (OSError, RuntimeError) as error:  # OpenEXR reports a full disk as RuntimeError
         reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"cannot be written: {reason}", source=str(folder / next(iter(writers)))) from error
+        raise InputError(f"cannot be written: {reason}", source=str(folder / name)) from error
+    return written
 
 
 def write_exr(observation: Observation, path: Path) -> None:

@@ -10,7 +10,8 @@ import pytest
 from physics_tolerances import (
     COORDINATE,
     FURNACE_DEFICIT,
-    FURNACE_EXCESS,
+    FURNACE_PIXELS,
+    FURNACE_ROUNDING,
     ONE_DECIMAL,
     SAMPLING_512,
     SINGLE_INTENSITY,
@@ -32,8 +33,8 @@ INDEX = 2.4173
 #: Light of radiance 1 from everywhere (a plain number would be a multiple of daylight in spectral variants).
 FURNACE = {"type": "constant", "radiance": {"type": "uniform", "value": 1.0}}
 
-#: A path of so many segments is a trapped one. Russian roulette, which would end paths at random and add
-#: noise, begins later than that: never.
+#: A path of so many segments is a trapped one (after a hundred, sample 2 still holds 0.2 % of the light).
+#: Russian roulette, which would end paths at random and add noise, begins later than that: never.
 MOST_SEGMENTS = 1000
 PATH = {"type": "path", "max_depth": MOST_SEGMENTS, "rr_depth": MOST_SEGMENTS + 1}
 
@@ -149,12 +150,14 @@ def test_reflectance_and_transmittance_of_a_slab(variant_llvm_ad_mono, angle_deg
 def test_white_furnace(variant_llvm_ad_mono, name):
     # In light of radiance 1 from everywhere a stone that neither absorbs nor leaks cannot be seen: each path
     # ends in the light with a throughput of 1 (the factors n^2 in and out cancel), whichever way it was
-    # split. So there is no noise, and all that is missing are paths of more than MOST_SEGMENTS segments.
+    # split. So there is no noise, and nothing is missing but trapped paths and those that `path`, which
+    # starts each segment 2e-4 off the surface, lets out through an edge unrefracted: with 1 / n^2 = 0.17.
     stone = load_stone(name)
     image = mi.render(scene_of(stone, View.of(stone, 48), spp=128, integrator=PATH, light=FURNACE), seed=1)
-    radiance = image.numpy()[..., 0]
-    assert radiance.max() <= 1 + FURNACE_EXCESS
-    assert 1 - radiance.mean(dtype=np.float64) <= FURNACE_DEFICIT
+    radiance = image.numpy()[..., 0].astype(np.float64)
+    assert radiance.max() <= 1 + FURNACE_ROUNDING
+    assert (radiance < 1 - FURNACE_ROUNDING).mean() <= FURNACE_PIXELS
+    assert 1 - radiance.mean() <= FURNACE_DEFICIT
 
 
 @pytest.mark.parametrize("name", SAMPLES)

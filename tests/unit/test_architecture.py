@@ -39,9 +39,8 @@ MODULES = sorted(path for path in PACKAGE.rglob("*.py") if path != PACKAGE / "__
 
 
 def part_of(path: Path) -> str:
-    """Name the part that a module belongs to: its package, or the module itself; cli has several."""
-    part = path.relative_to(PACKAGE).with_suffix("").parts[0]
-    return "cli" if part.startswith("cli_") else part
+    """Name the part that a module belongs to: its package, or the module itself."""
+    return path.relative_to(PACKAGE).with_suffix("").parts[0]
 
 
 def parsed(path: Path) -> ast.Module:
@@ -82,8 +81,6 @@ def test_imports_go_upwards(module):
     part = part_of(module)
     for name in imports(parsed(module)):
         above = name.split(".")[1] if name.startswith("gemrender.") else part
-        if above.startswith("cli_"):
-            above = "cli"
         if above in (part, "__version__"):
             continue
         assert RANK[above] < RANK[part], f"{part} must not import {name}"

@@ -69,8 +69,8 @@ def names(folder):
 
 SCORE = "score inoue-1"
 BAD_INPUT = {
-    "": "COMMAND: missing: one of score, crosscheck, ",
-    "scor inoue-1": "COMMAND = 'scor': must be one of score, crosscheck, ",
+    "": "COMMAND: missing: one of score, compare, ",
+    "scor inoue-1": "COMMAND = 'scor': must be one of score, compare, ",
     "--frob": "--frob: unknown option; must be one of --version, --help",
     # ---- Stones ----
     "score": "STONE: missing: stone files, or names of bundled stones",
@@ -396,7 +396,7 @@ def shell(line):
 def test_a_full_disk_behind_out_is_one_line_and_leaves_nothing(tmp_path):
     done = shell(f"ulimit -f 1; $GEMRENDER --out '{tmp_path}'")  # no file of more than one block
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
-    assert done.stderr.startswith(f"gemrender: {tmp_path / 'inoue-3'}: cannot be written: ")
+    assert done.stderr.startswith(f"gemrender: {tmp_path / 'inoue-3.exr'}: cannot be written: ")
     assert list(tmp_path.iterdir()) == []
 
 

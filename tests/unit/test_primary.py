@@ -117,6 +117,24 @@ def test_changed_parameters_take_effect(variant_llvm_ad_mono):
         np.testing.assert_array_equal(aov[name], expected[name], err_msg=name)
 
 
+def test_changed_parameters_need_no_new_kernel(variant_llvm_ad_mono):
+    scene = scene_of()
+    params = mi.traverse(scene.integrator())
+
+    def kernels():
+        with dr.scoped_set_flag(dr.JitFlag.KernelHistory, True):
+            dr.kernel_history_clear()
+            dr.eval(mi.render(scene))
+            return {k["hash"] for k in dr.kernel_history() if k["type"] == dr.KernelType.JIT}
+
+    known = kernels()
+    assert known
+    for key, value in {"int_ior": 2.3, "ext_ior": 1.000277, "max_reflections": 50}.items():
+        params[key] = value
+        params.update()
+        assert kernels() == known, key
+
+
 @pytest.mark.parametrize(
     ("key", "value", "message"),
     [

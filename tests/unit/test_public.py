@@ -68,7 +68,8 @@ def test_help_needs_no_numbers(arguments):
     heavy = "{'numpy', 'mitsuba', 'drjit', 'matplotlib', 'OpenEXR', 'colour'}"
     done = run_python(
         "-c",
-        f"import sys, gemrender.cli.program as c; s = c.run({arguments}); print(s, {heavy} & set(sys.modules))",
+        f"import sys, gemrender.cli.program as c; s = c.run({arguments});"
+        f"print(s, {heavy} & set(sys.modules))",
     )
     assert done.stdout.endswith("\n0 set()\n"), done.stdout + done.stderr
 

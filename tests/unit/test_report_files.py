@@ -257,7 +257,7 @@ def test_a_failure_leaves_what_was_there(error, tmp_path, monkeypatch):
 
     (tmp_path / "stone.exr").write_text("old")
     monkeypatch.setattr(figures, "write_map_figure", fail)
-    with pytest.raises(InputError, match=r"stone: cannot be written: (No space left|disk full)"):
+    with pytest.raises(InputError, match=r"stone\.png: cannot be written: (No space left|disk full)"):
         write_observation(observation(resolution=4), tmp_path, "stone")
     assert [(path.name, path.read_text()) for path in tmp_path.iterdir()] == [("stone.exr", "old")]
 
@@ -274,7 +274,7 @@ def test_an_interruption_leaves_nothing(tmp_path, monkeypatch):
 
 def test_a_folder_in_the_place_of_a_file_is_told(tmp_path):
     (tmp_path / "stone.exr").mkdir()
-    with pytest.raises(InputError, match="stone: cannot be written: Is a directory"):
+    with pytest.raises(InputError, match=r"stone\.exr: cannot be written: Is a directory"):
         write_observation(observation(resolution=4), tmp_path, "stone")
     assert [path.name for path in tmp_path.iterdir()] == ["stone.exr"]
 

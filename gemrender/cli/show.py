@@ -1,0 +1,142 @@
+"""The command `show`: the paper's displays as files."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Annotated
+
+import typer
+
+from gemrender.cli.options import (
+    RESOLUTION,
+    Engine,
+    Fresnel,
+    Intensity,
+    Rear,
+    Resolution,
+    Stones,
+    Variant,
+    load,
+    number,
+    trace_options,
+    view_and_model,
+    whole,
+)
+from gemrender.cli.output import progress_bar, say
+from gemrender.engines import DEFAULT_ENGINE, DEFAULT_VARIANT
+from gemrender.errors import InputError
+
+__all__ = ["show"]
+
+_WHATS = ("outline", "vertices", "shape", "triangles", "rays", "fan", "map")
+_FORMATS = {"png": ("png",), "svg": ("svg",), "both": ("png", "svg")}
+
+
+def show(
+    stones: Stones,
+    what: Annotated[
+        list[str] | None,
+        typer.Option(metavar="|".join((*_WHATS, "all")), help="What to show; may be given several times."),
+    ] = None,
+    at: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="X,Y",
+            help="Point of the top view whose ray is shown, in girdle radii; may be given several times. "
+            "By default a bright, a weak and a rear ray.",
+        ),
+    ] = None,
+    azimuth: Annotated[
+        str,
+        typer.Option(
+            metavar="DEGREES", help="Azimuth of the fan's section, and to the right in the rays' side view."
+        ),
+    ] = "0",
+    rays: Annotated[str, typer.Option(metavar="NUMBER", help="Rays of the fan.")] = "24",
+    out: Annotated[str, typer.Option(metavar="FOLDER", help="Where to write the pictures.")] = ".",
+    form: Annotated[
+        str, typer.Option("--format", metavar="|".join(_FORMATS), help="Format of the pictures.")
+    ] = "png",
+    engine: Engine = DEFAULT_ENGINE,
+    variant: Variant = DEFAULT_VARIANT,
+    resolution: Resolution = RESOLUTION,
+    fresnel: Fresnel = None,
+    rear: Rear = "position",
+    intensity: Intensity = "primary",
+) -> None:
+    """Draw stones as the paper does: outline, vertices, shape, triangles, rays, a fan, the map."""
+    # Everything is checked before anything is drawn.
+    shown = _displays(what or ["all"])
+    points = _points(at)
+    turn, in_fan = number("azimuth", azimuth), whole("rays", rays)
+    options = trace_options(resolution, fresnel, rear, intensity, "0", "0")
+    if form not in _FORMATS:
+        raise InputError(f"must be one of {', '.join(_FORMATS)}", key="format", value=form)
+
+    from gemrender.engines import require_engine
+    from gemrender.report.displays import write_display
+    from gemrender.report.displays.rays import check_fan, check_points
+    from gemrender.report.files import file_stems, prepare_folder
+
+    loaded = load(stones, options)
+    if "rays" in shown and points is not None:
+        for stone in loaded:
+            check_points(stone, points, view_and_model(stone, options)[1])
+    check_fan(in_fan)
+    if "map" in shown:
+        require_engine(engine, variant)
+    folder = prepare_folder(out)
+    with progress_bar(len(loaded) * len(shown)) as step:
+        for i, (stone, stem) in enumerate(zip(loaded, file_stems(stones), strict=True)):
+            for k, display in enumerate(shown):
+                written = write_display(
+                    stone,
+                    display,
+                    folder,
+                    stem,
+                    formats=_FORMATS[form],
+                    at=points,
+                    azimuth_deg=turn,
+                    rays=in_fan,
+                    engine=engine,
+                    variant=variant,
+                    resolution=options["resolution"],
+                    fresnel=fresnel,
+                    rear=rear,
+                    intensity=intensity,
+                )
+                step(i * len(shown) + k, f"{stone.name}: {display}")(1.0)
+                for path in written:
+                    say(f"written: {path}")
+
+
+def _displays(names: list[str]) -> list[str]:
+    for name in names:
+        if name not in (*_WHATS, "all"):
+            raise InputError(f"must be one of {', '.join(_WHATS)}, all", key="what", value=name)
+    return [name for name in _WHATS if name in names or "all" in names]
+
+
+def _points(texts: list[str] | None) -> list[tuple[float, float]] | None:
+    """Read points: one a text, or several with blanks or semicolons between them."""
+    if not texts:
+        return None
+    pairs = []
+    for text in texts:
+        pairs += re.sub(r"\s*,\s*", ",", text.replace(";", " ")).split() or [text]
+    return [_point(pair) for pair in pairs]
+
+
+def _point(text: str) -> tuple[float, float]:
+    allowed = "must be two finite numbers x,y in girdle radii, such as 0.3,-0.1"
+    parts = text.split(",")
+    if len(parts) != 2:
+        raise InputError(allowed, key="at", value=text)
+    try:
+        x, y = (float(part) for part in parts)
+    except ValueError as error:
+        raise InputError(allowed, key="at", value=text) from error
+    if not (math.isfinite(x) and math.isfinite(y)):
+        raise InputError(allowed, key="at", value=text)
+    return x, y

@@ -1,0 +1,177 @@
+"""The paper's displays (photos 1 to 8): outline, vertices, shape, triangles, rays and the intensity map."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import warnings
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from gemrender.engines import DEFAULT_ENGINE, DEFAULT_RESOLUTION, DEFAULT_VARIANT
+from gemrender.errors import InputError
+from gemrender.report.displays.fan import fan_figure
+from gemrender.report.displays.rays import FAN_RAYS, rays_figure
+from gemrender.stone import Stone
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from gemrender.observation import Observation
+
+__all__ = ["DISPLAYS", "FORMATS", "draw", "write_display"]
+
+#: What can be shown.
+DISPLAYS = ("outline", "vertices", "shape", "triangles", "rays", "fan", "map")
+#: Formats of files.
+FORMATS = ("png", "svg")
+
+
+def draw(
+    stone: Stone,
+    what: str,
+    *,
+    at: Sequence[Sequence[float]] | None = None,
+    azimuth_deg: float = 0.0,
+    rays: int = FAN_RAYS,
+    fresnel: str | None = None,
+    rear: str = "position",
+    intensity: str = "primary",
+    engine: str = DEFAULT_ENGINE,
+    variant: str = DEFAULT_VARIANT,
+    resolution: int = DEFAULT_RESOLUTION,
+    observation: Observation | None = None,
+) -> Figure:
+    """Draw one display of a stone.
+
+    Parameters
+    ----------
+    stone : Stone
+        The stone.
+    what : str
+        One of `DISPLAYS`.
+    at : (n, 2) array_like, optional
+        For rays: x and y in the top view [girdle radius]; by default a bright, a weak and a rear ray.
+    azimuth_deg : float
+        For rays the azimuth to the right in the side view, for a fan that of its section [deg].
+    rays : int
+        For a fan: number of rays.
+    fresnel, rear, intensity : str
+        For rays, a fan and the map: the model's options, as for `observe`.
+    engine, variant, resolution
+        For the map: what traces it, as for `observe`.
+    observation : Observation, optional
+        For the map: what to draw, if it has been traced already.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        To be saved at its own resolution (`write_display`).
+
+    Raises
+    ------
+    InputError
+        Unknown display, a point that is no pair of finite numbers or lies outside the stone, or an option
+        outside what is allowed.
+    BackendError
+        For the map: Mitsuba cannot run here.
+    """
+    if what not in DISPLAYS:
+        raise InputError(f"must be one of {', '.join(DISPLAYS)}", key="what", value=what)
+    if what in ("rays", "fan"):
+        from gemrender.observation import Model
+
+        model = Model.of(stone, fresnel=fresnel, rear=rear, intensity=intensity)
+        if what == "rays":
+            return rays_figure(stone, at, model=model, azimuth_deg=azimuth_deg)
+        return fan_figure(stone, azimuth_deg=azimuth_deg, rays=rays, model=model)
+    if what == "map":
+        return _map(stone, observation, engine=engine, variant=variant, resolution=resolution,
+                    fresnel=fresnel, rear=rear, intensity=intensity)  # fmt: skip
+    if stone.is_half_spaces and what != "shape":
+        raise InputError(
+            "needs the 57 vertices, which a stone with tilted facets lacks", key="what", value=what
+        )
+    return _drawing(stone, what)
+
+
+def write_display(
+    stone: Stone,
+    what: str,
+    folder: str | os.PathLike[str],
+    stem: str,
+    *,
+    formats: Iterable[str] = ("png",),
+    **options: Any,
+) -> list[Path]:
+    """Draw one display of a stone and write it as `stem`-`what`.png or .svg, or both: all of them or none.
+
+    Parameters
+    ----------
+    stone, what
+        As for `draw`.
+    folder : path
+        A folder that can be written (`files.prepare_folder`).
+    stem : str
+        How the files' names begin.
+    formats : iterable of str
+        Of `FORMATS`.
+    **options
+        As for `draw`.
+
+    Raises
+    ------
+    InputError
+        As for `draw`; or the files cannot be written.
+    """
+    endings = tuple(dict.fromkeys(formats))
+    for ending in endings:
+        if ending not in FORMATS:
+            raise InputError(f"must be one of {', '.join(FORMATS)}", key="format", value=ending)
+    figure = draw(stone, what, **options)
+    target = Path(folder)
+    try:
+        # Beside their place first, then moved there: a failure leaves what was there as it was.
+        with tempfile.TemporaryDirectory(dir=target, prefix=".gemrender-") as made:
+            names = [f"{stem}-{what}.{ending}" for ending in endings]
+            for name in names:
+                _save(figure, Path(made, name), f"{stone.name}: {what}")
+            return [Path(made, name).replace(target / name) for name in names]
+    except (OSError, ValueError) as error:  # ValueError: a path with a null character
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"cannot be written: {reason}", source=str(target / f"{stem}-{what}")) from error
+
+
+def _save(figure: Figure, path: Path, title: str) -> None:
+    from matplotlib import rc_context
+
+    ending = path.suffix[1:]
+    metadata = {"Title": title} if ending == "png" else {"Title": title, "Date": None}
+    # Letters as shapes, which look alike everywhere; the same picture is the same file.
+    with rc_context({"svg.fonttype": "path", "svg.hashsalt": "gemrender"}), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing from", category=UserWarning)
+        figure.savefig(path, format=ending, dpi=figure.dpi, metadata=metadata)
+
+
+def _drawing(stone: Stone, what: str) -> Figure:
+    if what == "outline":
+        from gemrender.report.displays.outline import outline_figure as figure
+    elif what == "vertices":
+        from gemrender.report.displays.vertices import vertices_figure as figure
+    elif what == "shape":
+        from gemrender.report.displays.shape import shape_figure as figure
+    else:
+        from gemrender.report.displays.triangles import triangles_figure as figure
+    return figure(stone)
+
+
+def _map(stone: Stone, observation: Observation | None, **options: Any) -> Figure:
+    from gemrender.engines import observe
+    from gemrender.report.figures import map_figure
+
+    if observation is None:
+        observation = observe(stone, **options)
+    elif observation.stone is not stone:
+        raise ValueError("the observation is of another stone")
+    return map_figure(observation)

@@ -1,0 +1,217 @@
+"""Views of a stone: parallel projections, and its edges with those that are hidden told apart."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from gemrender.stone import Stone, StoneMesh, tessellate
+
+__all__ = [
+    "CROWN",
+    "OBLIQUE",
+    "PAVILION",
+    "Projection",
+    "StoneView",
+    "look_at",
+    "section",
+    "side",
+]
+
+#: Straight pieces of each girdle arc in a drawing. Their sagitta, (pi / 16 / 16)^2 / 2 = 8e-5 girdle radii,
+#: is a fiftieth of a line's width.
+ARC_PIECES = 16
+#: A face whose normal's component to the eye is not above this is seen edge on or from behind: rounding.
+EDGE_ON = 1e-9
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Projection:
+    """A parallel projection onto a page.
+
+    Attributes
+    ----------
+    name : str
+        What the view is called.
+    right, up : (3,) float64
+        Unit vectors of the page, in the stone's frame.
+    """
+
+    name: str
+    right: np.ndarray
+    up: np.ndarray
+
+    @property
+    def eye(self) -> np.ndarray:
+        """(3,) unit vector to the eye."""
+        return np.cross(self.right, self.up)
+
+    def flat(self, points: np.ndarray) -> np.ndarray:
+        """Return where points (..., 3) lie on the page, (..., 2) [girdle radius]."""
+        return np.asarray(points @ np.stack([self.right, self.up], axis=-1))
+
+
+def side(azimuth_deg: float = 0.0) -> Projection:
+    """Return the view from the side with an azimuth [deg] to its right; by default a main is in profile."""
+    azimuth = np.radians(azimuth_deg)
+    right = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
+    return Projection(name="Side view", right=right, up=np.array([0.0, 0.0, 1.0]))
+
+
+def _oblique(azimuth_deg: float, elevation_deg: float) -> Projection:
+    level, elevation = side(azimuth_deg), np.radians(elevation_deg)
+    up = level.up * np.cos(elevation) - level.eye * np.sin(elevation)
+    return Projection(name="Oblique view", right=level.right, up=up)
+
+
+#: The plan views, with x to the right as in the side view: above it and below it on a drawing (third angle).
+CROWN = Projection(name="Crown view", right=np.array([1.0, 0.0, 0.0]), up=np.array([0.0, 1.0, 0.0]))
+PAVILION = Projection(name="Pavilion view", right=np.array([1.0, 0.0, 0.0]), up=np.array([0.0, -1.0, 0.0]))
+#: From above and the side, off every plane of symmetry.
+OBLIQUE = _oblique(8.0, 28.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class StoneView:
+    """What is seen of a stone in a projection.
+
+    Attributes
+    ----------
+    projection : Projection
+    visible, outline, hidden : tuple of (n, 2) float64
+        Edges between facets on the near side, where the near side ends, and on the far side [girdle radius].
+    facets : tuple of int
+        Visible facets (0 to 57), in ascending order.
+    polygons : tuple of (n, 2) float64
+        The outline of each visible facet.
+    vertices : tuple of int
+        Visible vertices (0 to 56); none of a stone with tilted facets, which has others.
+    """
+
+    projection: Projection
+    visible: tuple[np.ndarray, ...]
+    outline: tuple[np.ndarray, ...]
+    hidden: tuple[np.ndarray, ...]
+    facets: tuple[int, ...]
+    polygons: tuple[np.ndarray, ...]
+    vertices: tuple[int, ...]
+
+
+def look_at(stone: Stone, projection: Projection) -> StoneView:
+    """Tell the visible edges and facets of a stone from the hidden ones.
+
+    An edge is hidden if neither of its two faces is turned to the eye. That is exact for a convex stone;
+    what a measured stone lacks of that is far below a line's width.
+    """
+    mesh = _mesh(stone)
+    near = _face_normals(mesh) @ projection.eye > EDGE_ON
+    left, right = _edge_faces(mesh)
+    chains: dict[str, dict[tuple[int, int], list[tuple[int, int]]]] = {
+        kind: defaultdict(list) for kind in ("visible", "outline", "hidden")
+    }
+    for edge, first in left.items():
+        second = right[edge]
+        pair = sorted((int(mesh.face_facet[first]), int(mesh.face_facet[second])))
+        count = int(near[first]) + int(near[second])
+        if pair[0] == pair[1] and count != 1:
+            continue  # within a facet
+        kind = ("hidden", "outline", "visible")[count]
+        chains[kind][pair[0], pair[1]].append(edge)
+
+    flat = projection.flat(mesh.vertices)
+    lines = {
+        kind: tuple(flat[chain] for edges in groups.values() for chain in _chains(edges))
+        for kind, groups in chains.items()
+    }
+    facets = np.unique(mesh.face_facet[near])
+    polygons = [flat[_boundary(mesh.faces[near & (mesh.face_facet == facet)])] for facet in facets]
+    seen = np.unique(mesh.faces[near])
+    return StoneView(
+        projection=projection,
+        visible=lines["visible"],
+        outline=lines["outline"],
+        hidden=lines["hidden"],
+        facets=tuple(facets.tolist()),
+        polygons=tuple(polygons),
+        vertices=() if stone.is_half_spaces else tuple(seen[seen < len(stone.vertices)].tolist()),
+    )
+
+
+def section(stone: Stone, azimuth_deg: float) -> np.ndarray:
+    """Return the outline of the stone's section through its axis along an azimuth [deg].
+
+    Returns
+    -------
+    (n, 2) float64
+        Distance along the azimuth, and height [girdle radius], in order around the section.
+    """
+    mesh = _mesh(stone)
+    view = side(azimuth_deg)
+    depth = mesh.vertices @ view.eye
+    depth[np.abs(depth) < EDGE_ON] = 0.0
+    ends = np.array(list(_edge_faces(mesh)[0]))
+    a, b = depth[ends].T
+    crossing = a * b < 0
+    start, end = mesh.vertices[ends[crossing]].transpose(1, 0, 2)
+    share = (a[crossing] / (a[crossing] - b[crossing]))[:, None]
+    points = np.concatenate([start + share * (end - start), mesh.vertices[depth == 0.0]])
+    flat = view.flat(points)
+    middle = flat.mean(axis=0)
+    return np.asarray(flat[np.argsort(np.arctan2(*(flat - middle).T[::-1]))])
+
+
+@lru_cache(maxsize=2)
+def _mesh(stone: Stone) -> StoneMesh:
+    """Tessellate a stone once for all views of a display."""
+    return tessellate(stone, ARC_PIECES)
+
+
+def _face_normals(mesh: StoneMesh) -> np.ndarray:
+    """Return unit normals, (f, 3): those of the planes, and on the girdle those of the faces themselves."""
+    a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
+    normals = np.cross(b - a, c - a)
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)
+    planar = np.abs(mesh.face_normals).sum(axis=1, keepdims=True) > 0
+    return np.where(planar, mesh.face_normals, normals)
+
+
+def _edge_faces(mesh: StoneMesh) -> tuple[dict[tuple[int, int], int], dict[tuple[int, int], int]]:
+    """Return the faces to the left and to the right of each edge, whose lower vertex comes first."""
+    left: dict[tuple[int, int], int] = {}
+    right: dict[tuple[int, int], int] = {}
+    for number, face in enumerate(mesh.faces.tolist()):
+        for a, b in zip(face, (*face[1:], face[0]), strict=True):
+            if a < b:
+                left[a, b] = number
+            else:
+                right[b, a] = number
+    return left, right
+
+
+def _chains(edges: list[tuple[int, int]]) -> list[list[int]]:
+    """Join edges to lines as long as possible; a closed line ends where it begins."""
+    ends: dict[int, list[int]] = defaultdict(list)
+    for a, b in edges:
+        ends[a].append(b)
+        ends[b].append(a)
+    chains = []
+    starts = [v for v, others in ends.items() if len(others) != 2] + list(ends)
+    for start in starts:
+        while ends[start]:
+            chain = [start]
+            while ends[chain[-1]]:
+                following = ends[chain[-1]].pop()
+                ends[following].remove(chain[-1])
+                chain.append(following)
+            chains.append(chain)
+    return chains
+
+
+def _boundary(faces: np.ndarray) -> list[int]:
+    """Vertices around a patch of faces."""
+    directed = {(a, b) for face in faces.tolist() for a, b in zip(face, (*face[1:], face[0]), strict=True)}
+    return max(_chains([edge for edge in directed if edge[::-1] not in directed]), key=len)

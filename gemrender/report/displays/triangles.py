@@ -1,0 +1,172 @@
+"""The 78 triangles and the girdle, numbered as the paper counts them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gemrender.report.displays.labels import Label, fits, place_labels
+from gemrender.report.displays.page import KIND_COLOURS, PAPER, Page, draw_lines, stone_extent
+from gemrender.report.displays.projection import CROWN, EDGE_ON, PAVILION, StoneView, look_at, side
+from gemrender.stone import Stone
+from gemrender.stone.topology import (
+    CONTACT,
+    CULET,
+    FACET_KINDS,
+    FACET_POLYGONS,
+    GIRDLE,
+    GIRDLE_LOWER,
+    N_TRIANGLES,
+    TRIANGLE_FACET,
+    TRIANGLES,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["GIRDLE_NUMBER", "triangles_figure", "visible_triangles"]
+
+SCALE = 2.45  # inch per girdle radius
+FONT_SIZE = 10.0
+#: The girdle is surface number 79 (`model.md`, section 2); triangles count from 1.
+GIRDLE_NUMBER = N_TRIANGLES + 1
+
+#: Where the numbers of pavilion mains too narrow for them stand: their distance from the axis, over that of
+#: the girdle, and their turn from the middle of the main [deg].
+LEADER_RADIUS, LEADER_TURN_DEG = 1.075, 3.4
+
+_MEANINGS = {
+    "table": "table",
+    "star": "star facets",
+    "bezel": "bezel mains",
+    "upper_girdle": "upper girdle facets",
+    "lower_girdle": "lower girdle facets",
+    "pavilion_main": "pavilion mains",
+    "girdle": "girdle",
+}
+
+
+def triangles_figure(stone: Stone) -> Figure:
+    """Draw three views with the number of each visible triangle, and which facets they make."""
+    low, high, radius = stone_extent(stone)
+    column = 2 * radius * SCALE + 1.1
+    upper, lower = column + 0.25, (high - low) * SCALE + 1.3
+    gap = 0.3
+    page = Page(
+        stone,
+        "The 78 triangles and the girdle",
+        width=2 * column + gap + 2 * Page.MARGIN,
+        height=upper + lower + Page.TITLE + Page.MARGIN,
+    )
+    left, right = Page.MARGIN, Page.MARGIN + column + gap
+    bottom, top = Page.MARGIN, Page.MARGIN + lower
+    for projection, x, y, rows, centre in (
+        (CROWN, left, top, upper, 0.0),
+        (PAVILION, right, top, upper, 0.0),
+        (side(), left, bottom, lower, (low + high) / 2),
+    ):
+        axes = page.view(x, y + 0.3, column, rows - 0.3, scale=SCALE, centre=(0.0, centre))
+        _draw_triangles(axes, stone, look_at(stone, projection))
+        page.caption(x, y + 0.1, column, projection.name)
+    _draw_legend(page.axes(right, bottom, column, lower))
+    return page.figure
+
+
+def visible_triangles(stone: Stone, view: StoneView) -> list[int]:
+    """Return the triangles (0 to 77) that are turned to the eye."""
+    return [int(i) for i in np.flatnonzero(stone.triangle_normals @ view.projection.eye > EDGE_ON)]
+
+
+def _draw_triangles(axes: Axes, stone: Stone, view: StoneView) -> None:
+    for facet, polygon in zip(view.facets, view.polygons, strict=True):
+        colour = KIND_COLOURS[FACET_KINDS[facet]]
+        axes.fill(*polygon.T, facecolor=colour, edgecolor=colour, linewidth=0.4, zorder=1)
+    shown = visible_triangles(stone, view)
+    flat = view.projection.flat(stone.vertices)
+    from_side = bool(view.projection.up[2])
+    cuts = [flat[list(pair)] for pair in _cuts(shown)]
+    for cut in cuts:
+        axes.plot(*cut.T, color=PAPER.ink, linewidth=PAPER.thin_width, zorder=2.5)
+    draw_lines(axes, view, PAPER)
+
+    corners = {triangle: flat[TRIANGLES[triangle]] for triangle in shown}
+    mains = [t for t in shown if FACET_KINDS[TRIANGLE_FACET[t]] == "pavilion_main"]
+    roomy = all(fits(axes, Label(text="88", at=(0, 0), polygon=corners[t]), FONT_SIZE) for t in mains)
+    labels = []
+    for triangle in sorted(shown, key=lambda t: -_incircle(corners[t])[1]):
+        number, (middle, _) = str(triangle + 1), _incircle(corners[triangle])
+        if (
+            triangle in mains and not roomy and not from_side
+        ):  # one outside, all outside: for the order's sake
+            at, outside = _main_leader(triangle, stone, view)
+            labels.append(Label(text=number, at=at, otherwise=outside))
+        else:
+            labels.append(Label(text=number, at=middle, towards=middle, polygon=corners[triangle]))
+    lines = [*view.visible, *view.outline, *cuts]
+    if from_side:  # the plan views number all: here those that have room
+        labels = [label for label in labels if fits(axes, label, FONT_SIZE)]
+        labels.insert(0, Label(text=str(GIRDLE_NUMBER), at=_girdle_place(view), towards=(1.0, 0.0)))
+    place_labels(axes, labels, lines=lines, fontsize=FONT_SIZE, colour=PAPER.ink, leader_colour=PAPER.soft)
+
+
+def _main_leader(triangle: int, stone: Stone, view: StoneView) -> tuple[np.ndarray, np.ndarray]:
+    """Return a point halfway along half a pavilion main, and a place outside the girdle for its number."""
+    flat = view.projection.flat(stone.vertices)
+    corners = TRIANGLES[triangle]
+    girdle = next(v for v in corners if v in GIRDLE_LOWER)
+    contact = next(v for v in corners if v in CONTACT)
+    tip = flat[girdle]
+    point = 0.3 * flat[contact] + 0.52 * tip + 0.18 * flat[CULET]
+    turn = np.sign(tip[0] * flat[contact][1] - tip[1] * flat[contact][0]) * np.radians(LEADER_TURN_DEG)
+    cos, sin = np.cos(turn), np.sin(turn)
+    outside = LEADER_RADIUS * np.array([cos * tip[0] - sin * tip[1], sin * tip[0] + cos * tip[1]])
+    return point, outside
+
+
+def _cuts(shown: list[int]) -> list[tuple[int, int]]:
+    """Edges between two visible triangles of one facet."""
+    cuts = []
+    for facet, polygon in enumerate(FACET_POLYGONS):
+        if len(polygon) > 3 and set(np.flatnonzero(facet == TRIANGLE_FACET)) <= set(shown):
+            cuts += [(polygon[0], other) for other in polygon[2:-1]]
+    return cuts
+
+
+def _incircle(corners: np.ndarray) -> tuple[np.ndarray, float]:
+    """Centre and radius of a triangle's incircle."""
+    sides = np.hypot(*(np.roll(corners, -1, axis=0) - np.roll(corners, 1, axis=0)).T)
+    u, v = corners[1] - corners[0], corners[2] - corners[0]
+    return (sides[:, None] * corners).sum(axis=0) / sides.sum(), abs(u[0] * v[1] - u[1] * v[0]) / sides.sum()
+
+
+def _girdle_place(view: StoneView) -> np.ndarray:
+    """Return a point on the girdle's wall at the right end of the side view."""
+    polygon = view.polygons[view.facets.index(GIRDLE)]
+    right = polygon[:, 0].max()
+    near = polygon[polygon[:, 0] > right - 0.03]
+    return np.array([right - 0.01, (near[:, 1].min() + near[:, 1].max()) / 2])
+
+
+def _draw_legend(axes: Axes) -> None:
+    height = axes.get_ylim()[1]
+    kinds = list(dict.fromkeys(FACET_KINDS))
+    y = height / 2 + 0.36 * len(kinds) / 2 + 0.15
+    axes.text(0.95, y, "Triangles", fontsize=10.5, color=PAPER.soft)
+    axes.text(2.35, y, "Facets", fontsize=10.5, color=PAPER.soft)
+    for kind in kinds:
+        y -= 0.38
+        facets = [i for i, other in enumerate(FACET_KINDS) if other == kind]
+        numbers = np.flatnonzero(np.isin(TRIANGLE_FACET, facets)) + 1
+        text = f"{numbers[0]} – {numbers[-1]}" if numbers.size else f"{GIRDLE_NUMBER}"
+        axes.add_patch(_swatch(0.45, y - 0.05, KIND_COLOURS[kind]))
+        axes.text(0.95, y, text, fontsize=12, fontweight="bold")
+        axes.text(2.35, y, f"{len(facets)}", fontsize=12, ha="right")
+        axes.text(2.5, y, _MEANINGS[kind], fontsize=12)
+
+
+def _swatch(x: float, y: float, colour: str) -> object:
+    from matplotlib.patches import Rectangle
+
+    return Rectangle((x, y), 0.32, 0.22, facecolor=colour, edgecolor=PAPER.soft, linewidth=0.7)

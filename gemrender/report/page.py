@@ -1,0 +1,340 @@
+"""The report: stones in 3D, their maps, and the ray behind every point of them, in one HTML file.
+
+The page fetches nothing: style, scripts, three.js and the data are all in the file, and its content security
+policy forbids the rest. The path of a ray is traced in the page, by `assets/tracer.js`, with the rules of
+`gemrender.reference`; the map is the observation's.
+"""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+import math
+import os
+import re
+import tempfile
+import zlib
+from collections.abc import Iterable, Sequence
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import gemrender
+from gemrender.errors import InputError
+from gemrender.observation import Model, Observation, RayStatus, View
+from gemrender.optics.fresnel import GUBELIN_ANGLES_DEG, GUBELIN_REFLECTED, critical_angle_deg
+from gemrender.report.displays.rays import RAY_COLOURS
+from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR
+from gemrender.report.tables import band_name, model_text
+from gemrender.score import score_observation
+from gemrender.stone import Stone, tessellate
+from gemrender.stone.topology import (
+    CONTACT,
+    CULET,
+    FACET_NAMES,
+    GIRDLE,
+    GIRDLE_LOWER,
+    GIRDLE_UPPER,
+    LOWER_GIRDLE_FACETS,
+    STAR_TIP,
+    TABLE_CORNER,
+    TRIANGLE_FACET,
+    TRIANGLES,
+    UPPER_GIRDLE_FACETS,
+)
+
+__all__ = ["MOST_STONES", "check_number", "check_target", "report_html", "write_report"]
+
+#: Most stones of a report: each takes 0.2 MB of the file, and a column or a row of the page.
+MOST_STONES = 24
+#: Most pixels a side of the map in the page; of larger maps every second, third, ... pixel is kept.
+MAP_PIXELS = 1024
+#: Steps of the map's intensities per per cent. They are rounded down, which keeps every pixel in its band.
+INTENSITY_STEPS = 200
+#: Codes of a pixel that has no intensity: rear light, neither (trapped or lost), outside the stone.
+_REAR, _UNSOLVED, _OUTSIDE = 65001, 65002, 65003
+#: Straight pieces of each girdle arc in the drawing.
+_ARC_SEGMENTS = 8
+
+_ASSETS = resources.files("gemrender.report").joinpath("assets")
+
+
+def write_report(observations: Iterable[Observation], path: str | os.PathLike[str]) -> Path:
+    """Write the report of some stones, whole or not at all; a file that is there is replaced.
+
+    Parameters
+    ----------
+    observations : iterable of Observation
+        One for each stone, in the order of the page; taken one after the other, and none is kept.
+    path : str or path-like
+        The HTML file to write.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    InputError
+        No stones, too many, or a file that cannot be written.
+    """
+    target = check_target(path)
+    page = report_html(observations)
+    try:
+        # Beside its place first, then moved there: a failure leaves what was there as it was.
+        with tempfile.TemporaryDirectory(dir=target.parent, prefix=".gemrender-") as made:
+            file = Path(made, "report.html")
+            file.write_bytes(page.encode("utf-8", errors="replace"))
+            file.replace(target)
+    except OSError as error:
+        raise _refused(path, f"cannot be written: {error.strerror or error}") from error
+    return target
+
+
+def check_number(stones: int) -> None:
+    """See that a page holds so many stones.
+
+    Raises
+    ------
+    InputError
+        None, or too many.
+    """
+    if not 1 <= stones <= MOST_STONES:
+        raise InputError(f"a report takes from 1 to {MOST_STONES} stones, got {stones}", key="stone")
+
+
+def check_target(path: str | os.PathLike[str]) -> Path:
+    """See that the report can be written there, before any work is done for it; make its folder.
+
+    Raises
+    ------
+    InputError
+        The path names no file that can be written.
+    """
+    name = os.fspath(path)
+    if not name.strip():
+        raise _refused(name, "must be the name of an HTML file")
+    try:
+        target = Path(name).resolve()
+        if target.is_dir():
+            raise _refused(name, "must be a file; this is a folder")
+        if target.exists() and not target.is_file():  # a device, a pipe
+            raise _refused(name, "must be a regular file")
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=target.parent):
+            pass
+    except (OSError, RuntimeError, ValueError) as error:  # a loop of links; a name with a null character
+        if isinstance(error, InputError):
+            raise
+        reason = getattr(error, "strerror", None) or str(error)
+        raise _refused(name, f"cannot be written: {reason}") from error
+    return target
+
+
+def report_html(observations: Iterable[Observation]) -> str:
+    """Return the report of some stones as one HTML page that needs nothing else.
+
+    Raises
+    ------
+    InputError
+        No stones, or too many.
+    """
+    data = _data(observations)
+    licence = _asset("LICENSE-three.txt").strip()
+    parts = {
+        "title": html.escape(f"{_title([stone['name'] for stone in data['stones']])} – gemrender"),
+        "style": _asset("page.css"),
+        "data": _json(data),
+        "three": f"/*!\n{licence}\n*/\n{_asset('three.min.js')}",
+        "tracer": _asset("tracer.js"),
+        "page": _asset("page.js"),
+    }
+    # In one pass: nothing that is put in is looked at again.
+    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], _asset("page.html"))
+
+
+def _refused(path: str | os.PathLike[str], reason: str) -> InputError:
+    return InputError(reason, key="out", value=os.fspath(path))
+
+
+def _asset(name: str) -> str:
+    return _ASSETS.joinpath(name).read_text(encoding="utf-8")
+
+
+def _title(names: Sequence[str]) -> str:
+    return ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
+
+
+def _json(value: Any) -> str:
+    """Return JSON that no HTML parser takes for anything else."""
+    text = json.dumps(value, separators=(",", ":"), allow_nan=False)
+    return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e")
+
+
+# ---- What the page is told -----------------------------------------------------------------------------
+
+
+def _data(observations: Iterable[Observation]) -> dict[str, Any]:
+    stones: list[dict[str, Any]] = []
+    for observation in observations:
+        check_number(len(stones) + 1)
+        stones.append(
+            {
+                **traced(observation.stone, observation.model, observation.view),
+                **_shown(observation.stone),
+                **_scored(observation),
+            }
+        )
+    check_number(len(stones))
+    return {
+        "generator": f"gemrender {gemrender.__version__}",
+        "topology": topology(),
+        "facetNames": FACET_NAMES,
+        "colours": {
+            "bands": BAND_COLOURS,
+            "rear": REAR_COLOUR,
+            "unsolved": UNSOLVED_COLOUR,
+            "rays": RAY_COLOURS,
+        },
+        "codes": {"steps": INTENSITY_STEPS, "rear": _REAR, "unsolved": _UNSOLVED, "outside": _OUTSIDE},
+        "stones": stones,
+    }
+
+
+def topology() -> dict[str, Any]:
+    """Return what `tracer.js` needs that is the same for every stone."""
+    of_facet = np.searchsorted(TRIANGLE_FACET, [UPPER_GIRDLE_FACETS, LOWER_GIRDLE_FACETS]).tolist()
+    return {
+        "triangles": TRIANGLES.tolist(),
+        "triangleFacet": TRIANGLE_FACET.tolist(),
+        "girdle": GIRDLE,
+        "girdleUpper": GIRDLE_UPPER.tolist(),
+        "girdleLower": GIRDLE_LOWER.tolist(),
+        "upperTriangles": of_facet[0],
+        "lowerTriangles": of_facet[1],
+        "gubelinAngles": GUBELIN_ANGLES_DEG.tolist(),
+        "gubelinReflected": GUBELIN_REFLECTED.tolist(),
+    }
+
+
+def traced(stone: Stone, model: Model, view: View) -> dict[str, Any]:
+    """Return what `tracer.js` needs of a stone, its numbers to the last bit."""
+    return {
+        "vertices": stone.vertices.tolist(),
+        "triangleNormals": stone.triangle_normals.tolist(),
+        "triangleOffsets": stone.triangle_offsets.tolist(),
+        "round": stone.girdle.is_round,
+        "halfSpaces": stone.is_half_spaces,
+        "model": {
+            "index": model.index,
+            "fresnel": model.fresnel,
+            "rear": model.rear,
+            "intensity": model.intensity,
+            "maxReflections": model.max_reflections,
+        },
+        "view": {"basis": view.basis().tolist(), "halfWidth": view.half_width, "tilt": view.tilt_deg},
+    }
+
+
+def _shown(stone: Stone) -> dict[str, Any]:
+    """Return the stone's drawing: its mesh, and its proportions in words and numbers."""
+    mesh = tessellate(stone, _ARC_SEGMENTS)
+    return {
+        "name": stone.name,
+        "measured": stone.proportions is None,
+        "mesh": {
+            "vertices": mesh.vertices.round(6).tolist(),
+            "faces": mesh.faces.tolist(),
+            "facets": mesh.face_facet.tolist(),
+        },
+        "proportions": _proportions(stone),
+    }
+
+
+def _scored(observation: Observation) -> dict[str, Any]:
+    """Return the map and what it scores."""
+    result = score_observation(observation)
+    engine = "Mitsuba" if result.engine == "mitsuba" else result.engine
+    view = f"{result.resolution} × {result.resolution} rays"
+    if result.tilt_deg:
+        view += f", the eye tilted by {result.tilt_deg:g}° towards azimuth {result.tilt_azimuth_deg:g}°"
+    return {
+        "map": _map(observation),
+        "score": {
+            "average": result.average,
+            "rear": result.rear,
+            "unsolved": result.trapped + result.lost,
+            "bands": [
+                {"name": _in_print(band_name(band)), "low": band.low, "share": band.share}
+                for band in result.bands
+            ],
+        },
+        "material": observation.stone.material if isinstance(observation.stone.material, str) else None,
+        "criticalAngle": critical_angle_deg(result.index),
+        "modelText": model_text(result),
+        "engineText": f"{view}, {engine}" + (f" ({result.variant})" if result.variant else ""),
+    }
+
+
+def _in_print(band: str) -> str:
+    return band.replace("-", "–").replace(">= ", "≥ ")
+
+
+def _map(observation: Observation) -> dict[str, Any]:
+    """Return the map's pixels, coded in 16 bits, filtered by row, deflated, as base64.
+
+    Pixel (row, column) of it is the ray through x = start + pitch column, y = -start - pitch row.
+    """
+    view = observation.view
+    stride = math.ceil(view.resolution / MAP_PIXELS)
+    kept = slice(stride // 2, None, stride)
+    status, rear = observation.status[kept, kept], observation.rear_mask[kept, kept] > 0
+    steps = np.floor(observation.primary_intensity[kept, kept].astype(np.float64) * INTENSITY_STEPS)
+    codes = np.clip(steps, 0, _REAR - 1).astype(np.int32)
+    codes[rear] = _REAR
+    codes[(status == RayStatus.TRAPPED) | (status == RayStatus.LOST)] = _UNSOLVED
+    codes[status == RayStatus.MISSED] = _OUTSIDE
+    # Differences along the rows, high and low bytes apart: neighbours are alike, and deflate finds it.
+    differences = np.diff(codes, axis=1, prepend=0).astype(np.uint16)
+    planes = np.stack([differences >> 8, differences & 255]).astype(np.uint8)
+    x = view.cell_centres()[0][kept]
+    return {
+        "size": len(x),
+        "start": float(x[0]),
+        "pitch": 2 * view.half_width / view.resolution * stride,
+        "data": base64.b64encode(zlib.compress(planes.tobytes(), 9)).decode(),
+    }
+
+
+def _proportions(stone: Stone) -> list[dict[str, Any]]:
+    """Return rows of the table of proportions: name, value, unit; of a measured stone their means."""
+    v = stone.vertices
+    radius, z = np.hypot(v[:, 0], v[:, 1]), v[:, 2]
+    if stone.proportions is not None:
+        p = stone.proportions
+        table, star, contact = p.table, p.star, p.lower_girdle_contact
+        crown, depth, girdle = p.crown_height, p.pavilion_depth, p.girdle_thickness
+    else:
+        table, contact = 100 * radius[TABLE_CORNER].mean(), 100 * radius[CONTACT].mean()
+        edge = radius[TABLE_CORNER].mean() * math.cos(math.pi / 8)
+        star = 100 * (radius[STAR_TIP].mean() - edge) / (1 - edge)
+        crown = 50 * (z[TABLE_CORNER].mean() - z[GIRDLE_UPPER].mean())
+        girdle = 50 * (z[GIRDLE_UPPER].mean() - z[GIRDLE_LOWER].mean())
+        depth = 50 * (z[GIRDLE_LOWER].mean() - z[CULET])
+    crown_angle = math.degrees(math.atan2(2 * crown, 100 - table))
+    rows = [
+        ("Table size", table, "%"),
+        ("Crown angle", crown_angle, "°"),
+        ("Crown height", crown, "%"),
+        ("Pavilion angle", math.degrees(math.atan2(2 * depth, 100)), "°"),
+        ("Pavilion depth", depth, "%"),
+        ("Girdle thickness", girdle, "%"),
+        ("Total depth", crown + girdle + depth, "%"),
+        ("Star length", star, "%"),
+        ("Lower-half length", 100 - contact, "%"),
+    ]
+    return [{"name": name, "value": round(float(value), 2), "unit": unit} for name, value, unit in rows]

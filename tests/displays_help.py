@@ -1,0 +1,41 @@
+"""A measured stone for drawings, and what stands in a figure."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gemrender.report.displays.labels import text_boxes
+from gemrender.stone import Stone, load_stone
+
+
+def measured_stone(deviation: float = 0.004, seed: int = 3) -> Stone:
+    """Return inoue-2 as if measured in millimetres, every vertex off by a normal deviate [girdle radius]."""
+    vertices = load_stone("inoue-2").vertices
+    off = np.random.default_rng(seed).normal(0.0, deviation, vertices.shape)
+    return Stone.from_vertices(3.1 * (vertices + off), name="measured stone")
+
+
+def texts(figure) -> list[str]:
+    """Return everything that is written in a figure."""
+    written = [*figure.texts, *(text for axes in figure.axes for text in axes.texts)]
+    return [text.get_text() for text in written if text.get_text().strip()]
+
+
+def boxes(figure) -> list[tuple[str, np.ndarray]]:
+    """Return every text that is seen with its box on the page, by the renderer [pixels]."""
+    found = []
+    for holder in (figure, *figure.axes):
+        shown = [text for text in holder.texts if text.get_text().strip()]
+        found += zip([text.get_text() for text in shown], text_boxes(holder), strict=True)
+    return found
+
+
+def overlaps(figure) -> list[tuple[str, str]]:
+    """Return the pairs of texts whose boxes overlap."""
+    found = boxes(figure)
+    return [
+        (one, other)
+        for i, (one, a) in enumerate(found)
+        for other, b in found[:i]
+        if (a[:2] < b[2:]).all() and (b[:2] < a[2:]).all()
+    ]

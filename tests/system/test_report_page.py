@@ -1,0 +1,528 @@
+"""The report in a real headless Chromium, opened from disk, with every request recorded and refused."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import shutil
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import typer
+from observations import observation as made_observation
+from typer.testing import CliRunner
+
+from gemrender.cli.report import report
+from gemrender.errors import InputError
+from gemrender.observation import Observation, RayStatus
+from gemrender.reference import observe, trace_paths
+from gemrender.reference.path import RayPath
+from gemrender.report.page import INTENSITY_STEPS, MAP_PIXELS, MOST_STONES, report_html, write_report
+from gemrender.score import score_observation
+from gemrender.stone import Stone, load_stone
+from gemrender.stone.topology import FACET_NAMES
+
+#: Pixels a side of the maps.
+RESOLUTION = 128
+#: Largest file of one stone [bytes].
+MOST_BYTES = 3_000_000
+#: Intensities on the same path [%]: the page's tracer against the reference, and against a map in float32.
+SAME_PERCENT, SAME_PIXEL = 1e-6, 1e-5
+#: Paths of more reflections may part by rounding; at most so large a share of a map's pixels.
+FEW_REFLECTIONS, LONG_SHARE = 30, 0.005
+#: Least contrast of text to its ground (WCAG 2, level AA).
+LEAST_CONTRAST = 4.5
+#: What is drawn at its edge of the map's canvas around the stone (page.js, MAP_MARGIN).
+MAP_MARGIN = 0.03
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+FLAGS = [
+    "--no-sandbox", "--disable-gpu-sandbox", "--enable-unsafe-swiftshader", "--disable-background-networking",
+    "--disable-component-update", "--disable-default-apps", "--disable-sync", "--no-first-run",
+]  # fmt: skip
+
+HOSTILE = '</script><script>alert(1)</script><img src=x onerror="alert(2)">{{data}}&amp;\u2028'
+
+
+def measured() -> Stone:
+    rng = np.random.default_rng(1)
+    vertices = load_stone("inoue-2").vertices
+    return Stone.from_vertices(vertices + rng.normal(0, 0.002, vertices.shape), name="measured")
+
+
+@pytest.fixture(scope="module")
+def observed() -> dict[str, Observation]:
+    from gemrender.observation import View
+
+    stones = {"inoue-3": load_stone("inoue-3"), "inoue-1": load_stone("inoue-1"), "measured": measured()}
+    sides = {"inoue-3": RESOLUTION, "inoue-1": RESOLUTION, "measured": RESOLUTION // 2}
+    return {name: observe(stone, View.of(stone, sides[name])) for name, stone in stones.items()}
+
+
+@pytest.fixture(scope="module")
+def pages(observed, tmp_path_factory) -> dict[str, Path]:
+    folder = tmp_path_factory.mktemp("report")
+    one, other = observed["inoue-3"], observed["inoue-1"]
+    return {
+        "one": write_report([one], folder / "one.html"),
+        "two": write_report([one, other], folder / "two.html"),
+        "measured": write_report([observed["measured"]], folder / "measured.html"),
+    }
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    if CHROMIUM is None:
+        pytest.skip("no Chromium here")
+    with playwright.sync_playwright() as driver:
+        started = driver.chromium.launch(executable_path=CHROMIUM, headless=True, args=FLAGS)
+        yield started
+        started.close()
+
+
+@dataclass
+class Opened:
+    """A page, and what it said and asked for."""
+
+    page: Any
+    errors: list[str] = field(default_factory=list)
+    requests: list[str] = field(default_factory=list)
+
+    def canvas(self, kind: str, number: int = 0) -> Any:
+        return self.page.locator(f".{kind} canvas").nth(number)
+
+    def place(self, x: float, y: float, *, number: int = 0, half_width: float = 1.0) -> tuple[float, float]:
+        """Where a point of the view is in the window."""
+        box = self.canvas("map", number).bounding_box()
+        scale = (1 - 2 * MAP_MARGIN) * box["width"] / 2 / half_width
+        return box["x"] + box["width"] / 2 + scale * x, box["y"] + box["height"] / 2 - scale * y
+
+    def click(self, x: float, y: float, **options: Any) -> None:
+        self.canvas("map", options.get("number", 0)).scroll_into_view_if_needed()
+        self.page.mouse.click(*self.place(x, y, **options))
+
+    def ray(self, number: int = 0) -> dict[str, Any]:
+        """What the page tells of a stone's ray, facets in the order from the eye."""
+        told = self.page.locator(".ray").nth(number).evaluate(
+            "ray => ({...ray.dataset, text: ray.querySelector('.intensity').innerText,"
+            " facets: [...ray.querySelectorAll('tbody tr')].map(row => row.dataset.facet)})"
+        )  # fmt: skip
+        if int(told["status"]) == RayStatus.EXITED:
+            told["facets"].reverse()
+        return told
+
+
+@pytest.fixture
+def opened(browser) -> Iterator[Any]:
+    contexts = []
+
+    def open_page(file: Path, *, phone: bool = False, dark: bool = False) -> Opened:
+        context = browser.new_context(
+            viewport={"width": 390, "height": 844} if phone else {"width": 1400, "height": 900},
+            has_touch=phone,
+            color_scheme="dark" if dark else "light",
+        )
+        contexts.append(context)
+        page = context.new_page()
+        seen = Opened(page)
+        address = file.as_uri()
+
+        def on_request(route: Any) -> None:
+            seen.requests.append(route.request.url)
+            if route.request.url == address:
+                route.continue_()
+            else:
+                route.abort()
+
+        context.route("**/*", on_request)
+        page.on("console", lambda message: message.type == "error" and seen.errors.append(message.text))
+        page.on("pageerror", lambda error: seen.errors.append(str(error)))
+        page.on("dialog", lambda dialog: (seen.errors.append("dialog"), dialog.dismiss()))
+        page.goto(address)
+        page.wait_for_selector("html[data-ready]", timeout=20_000)
+        return seen
+
+    yield open_page
+    for context in contexts:
+        context.close()
+
+
+def expected_path(seen: dict[str, Any], observation: Observation) -> RayPath:
+    point = (float(seen["x"]), float(seen["y"]))
+    return trace_paths(observation.stone, [point], view=observation.view, model=observation.model)[0]
+
+
+def assert_shown(seen: dict[str, Any], observation: Observation) -> None:
+    """The page shows the reference's path at its point, which is the map's pixel there."""
+    path = expected_path(seen, observation)
+    assert seen["facets"] == path.facet_names
+    assert float(seen["intensity"]) == pytest.approx(path.primary_intensity, abs=SAME_PERCENT, rel=0)
+    assert seen["text"].replace("\n", "") == f"{path.primary_intensity:.2f} %"
+    assert int(seen["reflections"]) == path.reflections
+    assert (seen["rear"] == "true") == path.rear
+    x, y = observation.view.cell_centres()
+    row, column = np.abs(y - path.y).argmin(), np.abs(x - path.x).argmin()
+    assert (x[column], y[row]) == pytest.approx((path.x, path.y), abs=1e-12)
+    pixel = float(observation.primary_intensity[row, column])
+    assert float(seen["intensity"]) == pytest.approx(pixel, abs=SAME_PIXEL)
+
+
+# ---- In the browser ------------------------------------------------------------------------------------
+
+
+def test01_loads_without_errors_and_without_requests(opened, pages):
+    for file in pages.values():
+        seen = opened(file)
+        assert seen.errors == []
+        assert seen.requests == [file.as_uri()]
+        assert seen.page.evaluate("performance.getEntriesByType('resource').length") == 0
+
+
+PIXELS = """(canvas) => {
+    const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+    const told = { bright: 0, red: 0, changed: 0, deviation: 0 };
+    let [sum, squares] = [0, 0];
+    for (let i = 0; i < data.length; i += 4) {
+        const [r, g, b] = data.subarray(i, i + 3);
+        told.bright += Math.min(r, g, b) > 120;
+        told.red += r > 150 && g < 110;
+        told.changed += Boolean(window.first) && [0, 1, 2].some((k) => window.first[i + k] !== data[i + k]);
+        sum += r + g + b;
+        squares += (r + g + b) ** 2;
+    }
+    window.first ??= data;
+    const mean = sum / (data.length / 4);
+    return { ...told, deviation: Math.sqrt(squares / (data.length / 4) - mean ** 2) };
+}"""
+
+
+def test02_the_stone_is_drawn(opened, pages):
+    seen = opened(pages["one"])
+    assert seen.page.locator(".failure").is_hidden()
+
+    def pixels(key: str = "") -> dict[str, float]:
+        if key:
+            seen.page.keyboard.press(key)
+        seen.page.wait_for_timeout(100)
+        return seen.canvas("stage").evaluate(PIXELS)
+
+    drawn = pixels()
+    assert drawn["deviation"] > 30, "blank"
+    assert drawn["bright"] > 500, "no outlines"
+    assert drawn["red"] > 200, "no red ray"
+    seen.canvas("stage").focus()
+    assert pixels("ArrowLeft")["changed"] > 5000, "does not turn"
+    assert pixels("0")["changed"] == 0, "0 does not bring it back"
+
+
+@pytest.mark.parametrize("name", ["inoue-3", "measured"])
+def test03_a_click_shows_the_reference_path(opened, pages, observed, name):
+    observation = observed[name]
+    seen = opened(pages["one" if name == "inoue-3" else name])
+    half_width = observation.view.half_width
+    statuses = set()
+    for x, y in [(0.1, 0.05), (-0.45, 0.31), (0.62, -0.4), (0.93, 0.34), (-0.2, -0.88), (0.99, 0.99)]:
+        seen.click(x, y, half_width=half_width)
+        told = seen.ray()
+        assert abs(float(told["x"]) - x) < 0.02
+        assert abs(float(told["y"]) - y) < 0.02
+        if int(told["status"]) == RayStatus.MISSED:
+            assert told["facets"] == []
+        else:
+            assert_shown(told, observation)
+        statuses.add((told["status"], told["rear"]))
+    assert {("0", "false"), ("1", "false"), ("1", "true")} <= statuses
+
+
+def test04_a_click_on_the_stone_shows_the_ray_there(opened, pages, observed):
+    seen = opened(pages["one"])
+    seen.page.get_by_role("button", name="Top").click()
+    box = seen.canvas("stage").bounding_box()
+    centre = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    seen.page.mouse.click(centre[0] + 0.2 * box["width"], centre[1] - 0.1 * box["height"])
+    told = seen.ray()
+    x, y = float(told["x"]), float(told["y"])
+    assert x == pytest.approx(-2 * y * -1, abs=0.03)
+    assert 0.4 < x < 0.6
+    assert_shown(told, observed["inoue-3"])
+    # From the side: the facet that is clicked is the one that the ray comes out of.
+    seen.page.get_by_role("button", name="Tilted").click()
+    seen.page.mouse.click(centre[0], centre[1] - 0.16 * box["height"])
+    tilted = seen.ray()
+    assert (tilted["x"], tilted["y"]) != (told["x"], told["y"])
+    assert_shown(tilted, observed["inoue-3"])
+    # Turning by hand chooses nothing.
+    seen.page.mouse.move(*centre)
+    seen.page.mouse.down()
+    seen.page.mouse.move(centre[0] + 60, centre[1] + 20, steps=4)
+    seen.page.mouse.up()
+    assert seen.ray() == tilted
+    # The pavilion has no point of the map.
+    seen.page.get_by_role("button", name="Below").click()
+    seen.page.mouse.click(*centre)
+    assert seen.ray() == tilted
+
+
+def test05_two_stones_stay_linked(opened, pages, observed):
+    seen = opened(pages["two"])
+    for number, x, y in [(0, 0.3, 0.4), (1, -0.5, 0.1)]:
+        seen.click(x, y, number=number)
+        first, second = seen.ray(0), seen.ray(1)
+        assert (first["x"], first["y"]) == (second["x"], second["y"])
+        assert abs(float(first["x"]) - x) < 0.02
+        assert_shown(first, observed["inoue-3"])
+        assert_shown(second, observed["inoue-1"])
+    seen.canvas("map", 1).focus()
+    seen.page.keyboard.press("ArrowUp")
+    moved = seen.ray(0)
+    assert float(moved["y"]) == pytest.approx(float(first["y"]) + 2 / RESOLUTION, abs=1e-12)
+    assert (moved["x"], moved["y"]) == (seen.ray(1)["x"], seen.ray(1)["y"])
+
+
+def test06_keyboard(opened, pages):
+    seen = opened(pages["one"])
+    page, order = seen.page, []
+    for _ in range(11):
+        page.keyboard.press("Tab")
+        name, outline = page.evaluate(
+            "() => { const e = document.activeElement, s = getComputedStyle(e);"
+            " return [e.getAttribute('aria-label') ?? e.innerText,"
+            " s.outlineStyle === 'none' ? 0 : parseFloat(s.outlineWidth)] }"
+        )
+        order.append(name.split(".")[0])
+        assert outline >= 2, name
+    assert order == [
+        "Dark", "Print", "Inoue sample 3 in 3D", "Tilted", "Top", "Side", "Below", "Zoom out", "Zoom in",
+        "Intensity map of Inoue sample 3, seen from above", "Facet lines",
+    ]  # fmt: skip
+    page.keyboard.press("Shift+Tab")
+    before = seen.ray()
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("Shift+ArrowDown")
+    after = seen.ray()
+    assert float(after["x"]) - float(before["x"]) == pytest.approx(2 / RESOLUTION, abs=1e-12)
+    assert float(before["y"]) - float(after["y"]) == pytest.approx(16 * 2 / RESOLUTION, abs=1e-12)
+    page.wait_for_function("document.getElementById('announce').textContent.includes('%')")
+
+
+def test07_hover_tells_facet_and_intensity(opened, pages, observed):
+    seen, observation = opened(pages["one"]), observed["inoue-3"]
+    x, y = observation.view.cell_centres()
+    for row, column in [(64, 70), (30, 45), (100, 85)]:
+        seen.page.mouse.move(*seen.place(x[column], y[row]))
+        facet = FACET_NAMES[observation.entry_facet[row, column]].replace("bezel", "bezel_main")
+        said = seen.page.locator("#tip").inner_text()
+        name, value = said.split(": ")
+        assert name == facet.replace("_", " ")
+        if observation.rear_mask[row, column]:
+            assert value == "rear light"
+        else:
+            assert float(value.split()[0]) == pytest.approx(
+                float(observation.primary_intensity[row, column]), abs=0.06
+            )
+
+
+@pytest.mark.parametrize("name", ["one", "two"])
+def test08_a_phone_scrolls_one_way_only(opened, pages, observed, name):
+    seen = opened(pages[name], phone=True)
+    assert seen.page.evaluate("document.documentElement.scrollWidth") <= 390
+    before = seen.ray()
+    seen.canvas("map").scroll_into_view_if_needed()
+    seen.page.touchscreen.tap(*seen.place(0.9, 0.34))  # more rows, longer words
+    after = seen.ray()
+    assert len(after["facets"]) > len(before["facets"])
+    assert_shown(after, observed["inoue-3"])
+    assert seen.page.evaluate("document.documentElement.scrollWidth") <= 390
+    small = seen.page.evaluate(
+        "[...document.querySelectorAll('button')].map(b => b.getBoundingClientRect().height)"
+    )
+    assert min(small) >= 24
+
+
+CONTRASTS = """() => {
+    const channels = (text) => text.match(/[\\d.]+/g).map(Number);
+    const luminance = ([r, g, b]) => {
+        const linear = (v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4);
+        const [x, y, z] = [r, g, b].map((v) => linear(v / 255));
+        return 0.2126 * x + 0.7152 * y + 0.0722 * z;
+    };
+    const ground = (e) => {
+        for (; e; e = e.parentElement) {
+            const c = channels(getComputedStyle(e).backgroundColor);
+            if (c.length === 3 || c[3] > 0.99) return c;
+        }
+        return [255, 255, 255];
+    };
+    const hasText = (e) => [...e.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim());
+    return [...document.querySelectorAll('body *')]
+        .filter((e) => hasText(e) && e.checkVisibility())
+        .map((e) => {
+            const [a, b] = [luminance(channels(getComputedStyle(e).color)), luminance(ground(e))];
+            return [(Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05), e.textContent.slice(0, 40)];
+        });
+}"""
+
+
+def test09_light_and_dark_are_legible(opened, pages):
+    grounds = []
+    for dark in (False, True):
+        seen = opened(pages["two"], dark=dark)
+        for _ in range(2):  # as the system says, and toggled
+            contrasts = seen.page.evaluate(CONTRASTS)
+            assert len(contrasts) > 100
+            ratio, text = min(contrasts)
+            assert ratio >= LEAST_CONTRAST, text
+            grounds.append(seen.page.evaluate("getComputedStyle(document.body).backgroundColor"))
+            seen.page.locator("#theme").click()
+    assert grounds[0] == grounds[3] != grounds[1] == grounds[2]
+
+
+def test10_prints(opened, pages):
+    seen = opened(pages["two"], dark=True)
+    seen.page.emulate_media(media="print")
+    assert seen.page.locator("#print").is_hidden()
+    assert seen.page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
+    printed = seen.page.pdf(prefer_css_page_size=True, print_background=True)
+    assert printed.startswith(b"%PDF")
+    assert 20_000 < len(printed) < MOST_BYTES
+    assert len(re.findall(rb"/Type\s*/Page\b", printed)) == 2
+
+
+def test11_names_are_harmless(opened, tmp_path):
+    rng = np.random.default_rng(1)
+    stone = Stone.from_vertices(load_stone("inoue-3").vertices, name=HOSTILE)
+    hostile = made_observation(
+        resolution=32, stone=stone, primary_intensity=rng.uniform(0, 90, (32, 32)), reflections=2
+    )
+    for number in (1, 2):
+        seen = opened(write_report([hostile] * number, tmp_path / "hostile.html"))
+        assert seen.errors == []
+        assert len(seen.requests) == 1
+        assert seen.page.locator("img").count() == 0
+        heading = seen.page.locator("h1" if number == 1 else ".name").first
+        assert heading.evaluate("e => e.textContent") == HOSTILE
+        assert HOSTILE.rstrip("\u2028")[:60] in seen.page.title()
+
+
+def test12_the_ray_shown_is_the_ray_that_was_scored(opened, pages, observed):
+    """1000 pixels of each map, traced by the page's tracer with the page's data."""
+    rng = np.random.default_rng(5)
+    for name, file in (("inoue-3", "one"), ("measured", "measured")):
+        observation = observed[name]
+        rows, columns = rng.permutation(np.argwhere(observation.coverage > 0))[:1000].T
+        x, y = observation.view.cell_centres()
+        found = opened(pages[file]).page.evaluate(
+            """(points) => {
+                const data = JSON.parse(document.getElementById('data').textContent);
+                const stone = data.stones[0], surfaces = new GemTracer.Surfaces(stone, data.topology);
+                return points.map(([x, y]) => {
+                    const p = GemTracer.trace(surfaces, stone.view, stone.model, x, y);
+                    return [p.intensity, p.facets];
+                });
+            }""",
+            np.stack([x[columns], y[rows]], axis=1).tolist(),
+        )
+        parted = 0
+        for i, (intensity, facets) in enumerate(found):
+            at = rows[i], columns[i]
+            code = 0
+            for facet in facets:
+                code = (code * 61 + facet + 1) & 0xFFFFFF
+            same = code == observation.path_code[at] and intensity == pytest.approx(
+                float(observation.primary_intensity[at]), abs=SAME_PIXEL
+            )
+            assert same or observation.reflections[at] > FEW_REFLECTIONS
+            parted += not same
+        assert len(found) == 1000
+        assert parted <= 1000 * LONG_SHARE
+
+
+# ---- The file ------------------------------------------------------------------------------------------
+
+
+def page_data(page: str) -> dict[str, Any]:
+    text = re.search(r'<script type="application/json" id="data">(.*?)</script>', page, re.DOTALL)[1]
+    return json.loads(text)
+
+
+def test13_the_map_is_the_scored_map(observed):
+    for observation in (observed["inoue-3"], observed["measured"]):
+        stone = page_data(report_html([observation]))["stones"][0]
+        size = stone["map"]["size"]
+        planes = np.frombuffer(zlib.decompress(base64.b64decode(stone["map"]["data"])), dtype=np.uint8)
+        high, low = planes.reshape(2, size, size).astype(np.uint16)
+        codes = np.cumsum(high * 256 + low, axis=1, dtype=np.uint16)
+        lit = (observation.status == RayStatus.EXITED) & (observation.rear_mask == 0)
+        error = observation.primary_intensity[lit] - codes[lit] / INTENSITY_STEPS
+        assert error.min() > -1e-5
+        assert error.max() < 1 / INTENSITY_STEPS + 1e-5
+        # Rounding down keeps every pixel in its band.
+        met = np.count_nonzero(observation.coverage)
+        bands = score_observation(observation).bands
+        for band in bands:
+            steps = band.low * INTENSITY_STEPS, (band.high or 300) * INTENSITY_STEPS
+            share = 100 * np.count_nonzero(lit & (codes >= steps[0]) & (codes < steps[1])) / met
+            assert share == pytest.approx(band.share, abs=1e-9)
+        assert (codes[observation.rear_mask > 0] == 65001).all()
+        assert (codes[observation.status == RayStatus.MISSED] == 65003).all()
+
+
+def test14_large_maps_keep_every_second_pixel():
+    side = 2 * MAP_PIXELS
+    large = made_observation(resolution=side, primary_intensity=50.0)
+    shown = page_data(report_html([large]))["stones"][0]["map"]
+    x = large.view.cell_centres()[0]
+    assert shown["size"] == MAP_PIXELS
+    assert shown["start"] == x[1]
+    assert shown["pitch"] == pytest.approx(x[3] - x[1])
+
+
+def test15_one_file_of_moderate_size_with_its_licences(pages):
+    page = pages["one"].read_text(encoding="utf-8")
+    assert pages["one"].stat().st_size < MOST_BYTES
+    assert "The MIT License" in page
+    assert "Permission is hereby granted" in page
+    assert "@license" in page
+    assert not re.search(r'(?:src|href)\s*=\s*"(?!data:)', page.split("<script>")[0])
+
+
+def test16_bad_input_is_one_line(observed, tmp_path):
+    one = observed["inoue-3"]
+    there = tmp_path / "there.html"
+    there.write_text("kept")
+    for observations, path in (
+        ([], there),
+        ([one] * (MOST_STONES + 1), there),
+        (iter([]), there),
+        ([one], tmp_path),
+        ([one], there / "below.html"),
+        ([one], ""),
+        ([one], "/dev/null"),
+        ([one], tmp_path / "null\0"),
+        ([one], tmp_path / ("x" * 300)),
+    ):
+        with pytest.raises(InputError) as caught:
+            write_report(observations, path)
+        assert "\n" not in str(caught.value)
+    assert there.read_text() == "kept"
+    assert [file.name for file in tmp_path.iterdir()] == ["there.html"]
+
+
+def test17_the_command(tmp_path):
+    app = typer.Typer()
+    app.command()(report)
+    out = tmp_path / "new" / "page.html"
+    arguments = ["inoue-3", "inoue-1", "-o", str(out), "--engine", "reference", "--resolution", "24"]
+    result = CliRunner().invoke(app, arguments)
+    assert result.exit_code == 0, result.output
+    told = page_data(out.read_text(encoding="utf-8"))
+    assert [stone["name"] for stone in told["stones"]] == ["Inoue sample 3", "Inoue sample 1"]
+    for wrong in (["inoue-3"] * 500, ["inoue-3", "--out", str(tmp_path)]):
+        assert isinstance(CliRunner().invoke(app, wrong).exception, InputError)
