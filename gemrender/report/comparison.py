@@ -16,9 +16,9 @@ import numpy as np
 from gemrender.errors import InputError
 from gemrender.observation import Observation, RayStatus
 from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR, map_picture
-from gemrender.report.files import write_whole
 from gemrender.report.tables import band_name, model_text
 from gemrender.score import Score, score_observation
+from gemrender.writing import write_whole
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

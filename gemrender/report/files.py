@@ -7,7 +7,7 @@ import os
 import re
 import tempfile
 import unicodedata
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -18,8 +18,9 @@ import gemrender
 from gemrender.errors import InputError
 from gemrender.observation import MAP_CHANNELS, Observation
 from gemrender.score import score_observation
+from gemrender.writing import write_whole
 
-__all__ = ["file_stems", "prepare_folder", "write_exr", "write_observation", "write_whole"]
+__all__ = ["file_stems", "prepare_folder", "write_exr", "write_observation"]
 
 #: Longest stem of a file's name [bytes]: file systems take 255 with the ending.
 MOST_STEM_BYTES = 200
@@ -94,28 +95,6 @@ def write_observation(observation: Observation, folder: Path, stem: str) -> list
             f"{stem}.png": lambda path: write_map_figure(observation, path),
         },
     )
-
-
-def write_whole(folder: Path, writers: Mapping[str, Callable[[Path], object]]) -> list[Path]:
-    """Write files by their writers, all of them or none; return their paths.
-
-    Raises
-    ------
-    InputError
-        They cannot be written.
-    """
-    written, name = [], ""
-    try:
-        # Beside their place first, then moved there: a failure leaves what was there as it was.
-        with tempfile.TemporaryDirectory(dir=folder, prefix=".gemrender-") as made:
-            for name, write in writers.items():
-                write(Path(made, name))
-            for name in writers:
-                written.append(Path(made, name).replace(folder / name))
-    except (OSError, RuntimeError) as error:  # OpenEXR reports a full disk as RuntimeError
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"cannot be written: {reason}", source=str(folder / name)) from error
-    return written
 
 
 def write_exr(observation: Observation, path: Path) -> None:

@@ -45,6 +45,7 @@ from gemrender.stone.topology import (
     TRIANGLES,
     UPPER_GIRDLE_FACETS,
 )
+from gemrender.writing import write_whole
 
 __all__ = ["MOST_STONES", "check_number", "check_target", "report_html", "write_report"]
 
@@ -83,15 +84,11 @@ def write_report(observations: Iterable[Observation], path: str | os.PathLike[st
         No stones, too many, or a file that cannot be written.
     """
     target = check_target(path)
-    page = report_html(observations)
+    page = report_html(observations).encode("utf-8", errors="replace")
     try:
-        # Beside its place first, then moved there: a failure leaves what was there as it was.
-        with tempfile.TemporaryDirectory(dir=target.parent, prefix=".gemrender-") as made:
-            file = Path(made, "report.html")
-            file.write_bytes(page.encode("utf-8", errors="replace"))
-            file.replace(target)
-    except OSError as error:
-        raise _refused(path, f"cannot be written: {error.strerror or error}") from error
+        write_whole(target.parent, {target.name: lambda file: file.write_bytes(page)})
+    except InputError as error:
+        raise _refused(path, error.allowed) from error
     return target
 
 

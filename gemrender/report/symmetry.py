@@ -10,9 +10,9 @@ import numpy as np
 from rich.console import Console
 from rich.text import Text
 
-from gemrender.report.files import write_whole
 from gemrender.report.tables import note, table
 from gemrender.sweep import SymmetryStudy
+from gemrender.writing import write_whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 import re
-import tempfile
 from pathlib import Path
 
 from gemrender.errors import InputError
 from gemrender.observation import Model, View
 from gemrender.scene.generator import dielectric, stone_scene
 from gemrender.stone import Stone
+from gemrender.writing import write_whole
 
 __all__ = ["write_scene"]
 
@@ -55,21 +55,20 @@ def write_scene(folder: str | os.PathLike[str], name: str, stone: Stone, view: V
     for node in state.nodes:  # Mitsuba's writer does not know the kind of a Python plugin
         if node.props.plugin_name() in kinds:
             node.type = kinds[node.props.plugin_name()]
+
+    def write_xml(path: Path) -> None:
+        mi.parser.write_file(state, str(path))
+        text = path.read_text(encoding="utf-8")
+        path.write_text(_heading(stone, name) + text, encoding="utf-8", newline="\n")
+
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=folder, prefix=".gemrender-") as made:
-            ply, xml = Path(made, f"{name}.ply"), Path(made, f"{name}.xml")
-            mesh.write_ply(str(ply))
-            mi.parser.write_file(state, str(xml))
-            xml.write_text(
-                _heading(stone, name) + xml.read_text(encoding="utf-8"), encoding="utf-8", newline="\n"
-            )
-            for file in (ply, xml):
-                file.replace(folder / file.name)
-    except (OSError, RuntimeError) as error:  # Mitsuba reports a full disk as RuntimeError
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"cannot be written: {reason}", source=str(folder / name)) from error
-    return folder / f"{name}.xml"
+    except OSError as error:
+        raise InputError(f"cannot be made: {error.strerror}", source=str(folder)) from error
+    written = write_whole(
+        folder, {f"{name}.ply": lambda path: mesh.write_ply(str(path)), f"{name}.xml": write_xml}
+    )
+    return written[1]
 
 
 def _heading(stone: Stone, name: str) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 import warnings
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -14,6 +13,7 @@ from gemrender.errors import InputError
 from gemrender.report.displays.fan import fan_figure
 from gemrender.report.displays.rays import FAN_RAYS, rays_figure
 from gemrender.stone import Stone
+from gemrender.writing import write_whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -130,17 +130,11 @@ def write_display(
         if ending not in FORMATS:
             raise InputError(f"must be one of {', '.join(FORMATS)}", key="format", value=ending)
     figure = draw(stone, what, **options)
-    target = Path(folder)
-    try:
-        # Beside their place first, then moved there: a failure leaves what was there as it was.
-        with tempfile.TemporaryDirectory(dir=target, prefix=".gemrender-") as made:
-            names = [f"{stem}-{what}.{ending}" for ending in endings]
-            for name in names:
-                _save(figure, Path(made, name), f"{stone.name}: {what}")
-            return [Path(made, name).replace(target / name) for name in names]
-    except (OSError, ValueError) as error:  # ValueError: a path with a null character
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"cannot be written: {reason}", source=str(target / f"{stem}-{what}")) from error
+    title = f"{stone.name}: {what}"
+    return write_whole(
+        Path(folder),
+        {f"{stem}-{what}.{ending}": lambda path: _save(figure, path, title) for ending in endings},
+    )
 
 
 def _save(figure: Figure, path: Path, title: str) -> None:
