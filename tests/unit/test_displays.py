@@ -436,7 +436,7 @@ def test_a_failure_leaves_what_was_there(tmp_path, monkeypatch):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("matplotlib.figure.Figure.savefig", full)
-    with pytest.raises(InputError, match=r"s-shape: cannot be written: No space left on device$"):
+    with pytest.raises(InputError, match=r"s-shape\.png: cannot be written: No space left on device$"):
         write_display(stone_named("inoue-3"), "shape", tmp_path, "s")
     assert there.read_bytes() == b"before"
     assert list(tmp_path.iterdir()) == [there]
