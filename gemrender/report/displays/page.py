@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import textwrap
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 import gemrender
-from gemrender.report.displays.projection import StoneView
+from gemrender.report.displays.projection import CROWN, PAVILION, StoneView, look_at, side
 from gemrender.stone import Stone
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["DARK", "KIND_COLOURS", "PAPER", "Page", "Theme", "draw_lines", "stone_extent"]
+__all__ = ["DARK", "KIND_COLOURS", "PAPER", "Page", "Theme", "draw_lines", "stone_extent", "three_views"]
 
 #: Resolution of PNG files [pixels per inch].
 DPI = 160
@@ -146,6 +146,51 @@ def stone_extent(stone: Stone) -> tuple[float, float, float]:
     """Return the lowest and highest height and the largest radius of a stone [girdle radius]."""
     low, high = stone.vertices[:, 2].min(), stone.vertices[:, 2].max()
     return float(low), float(high), float(np.hypot(*stone.vertices[:, :2].T).max())
+
+
+def three_views(
+    stone: Stone,
+    title: str,
+    *,
+    scale: float,
+    draw: Callable[[Axes, StoneView], None],
+    legend: Callable[[Axes], None],
+) -> Figure:
+    """Draw the crown and the pavilion view side by side, beneath them the side view and a legend.
+
+    Parameters
+    ----------
+    stone : Stone
+        The stone.
+    title : str
+        What the page shows.
+    scale : float
+        Inches a girdle radius.
+    draw, legend : callable
+        What draws one view, and the legend.
+    """
+    low, high, radius = stone_extent(stone)
+    column = 2 * radius * scale + 1.1
+    upper, lower = column + 0.25, (high - low) * scale + 1.3
+    gap = 0.3
+    page = Page(
+        stone,
+        title,
+        width=2 * column + gap + 2 * Page.MARGIN,
+        height=upper + lower + Page.TITLE + Page.MARGIN,
+    )
+    left, right = Page.MARGIN, Page.MARGIN + column + gap
+    bottom, top = Page.MARGIN, Page.MARGIN + lower
+    for projection, x, y, rows, centre in (
+        (CROWN, left, top, upper, 0.0),
+        (PAVILION, right, top, upper, 0.0),
+        (side(), left, bottom, lower, (low + high) / 2),
+    ):
+        axes = page.view(x, y + 0.3, column, rows - 0.3, scale=scale, centre=(0.0, centre))
+        draw(axes, look_at(stone, projection))
+        page.caption(x, y + 0.1, column, projection.name)
+    legend(page.axes(right, bottom, column, lower))
+    return page.figure
 
 
 def draw_lines(

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gemrender.report.displays.labels import Label, fits, place_labels
-from gemrender.report.displays.page import KIND_COLOURS, PAPER, Page, draw_lines, stone_extent
-from gemrender.report.displays.projection import CROWN, EDGE_ON, PAVILION, StoneView, look_at, side
+from gemrender.report.displays.page import KIND_COLOURS, PAPER, draw_lines, three_views
+from gemrender.report.displays.projection import EDGE_ON, StoneView
 from gemrender.stone import Stone
 from gemrender.stone.topology import (
     CONTACT,
@@ -50,28 +50,13 @@ _MEANINGS = {
 
 def triangles_figure(stone: Stone) -> Figure:
     """Draw three views with the number of each visible triangle, and which facets they make."""
-    low, high, radius = stone_extent(stone)
-    column = 2 * radius * SCALE + 1.1
-    upper, lower = column + 0.25, (high - low) * SCALE + 1.3
-    gap = 0.3
-    page = Page(
+    return three_views(
         stone,
         "The 78 triangles and the girdle",
-        width=2 * column + gap + 2 * Page.MARGIN,
-        height=upper + lower + Page.TITLE + Page.MARGIN,
+        scale=SCALE,
+        draw=lambda axes, view: _draw_triangles(axes, stone, view),
+        legend=_draw_legend,
     )
-    left, right = Page.MARGIN, Page.MARGIN + column + gap
-    bottom, top = Page.MARGIN, Page.MARGIN + lower
-    for projection, x, y, rows, centre in (
-        (CROWN, left, top, upper, 0.0),
-        (PAVILION, right, top, upper, 0.0),
-        (side(), left, bottom, lower, (low + high) / 2),
-    ):
-        axes = page.view(x, y + 0.3, column, rows - 0.3, scale=SCALE, centre=(0.0, centre))
-        _draw_triangles(axes, stone, look_at(stone, projection))
-        page.caption(x, y + 0.1, column, projection.name)
-    _draw_legend(page.axes(right, bottom, column, lower))
-    return page.figure
 
 
 def visible_triangles(stone: Stone, view: StoneView) -> list[int]:

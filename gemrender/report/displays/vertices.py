@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gemrender.report.displays.labels import Label, place_labels
-from gemrender.report.displays.page import PAPER, Page, draw_lines, stone_extent
-from gemrender.report.displays.projection import CROWN, PAVILION, StoneView, look_at, side
+from gemrender.report.displays.page import PAPER, draw_lines, three_views
+from gemrender.report.displays.projection import CROWN, PAVILION, StoneView
 from gemrender.stone import Stone
 from gemrender.stone.topology import (
     CONTACT,
@@ -57,30 +57,12 @@ _COLOURS = tuple(colour for *_, count, _, _, colour in _KINDS for _ in range(cou
 
 def vertices_figure(stone: Stone) -> Figure:
     """Draw the visible vertices of three views with their labels, and what the labels mean."""
-    low, high, radius = stone_extent(stone)
-    column = 2 * radius * SCALE + 1.1
-    upper, lower = column + 0.25, (high - low) * SCALE + 1.3
-    gap = 0.3
-    page = Page(
-        stone,
-        "The 57 vertices",
-        width=2 * column + gap + 2 * Page.MARGIN,
-        height=upper + lower + Page.TITLE + Page.MARGIN,
-    )
-    left, right = Page.MARGIN, Page.MARGIN + column + gap
-    bottom, top = Page.MARGIN, Page.MARGIN + lower
-    for projection, x, y, rows, centre in (
-        (CROWN, left, top, upper, 0.0),
-        (PAVILION, right, top, upper, 0.0),
-        (side(), left, bottom, lower, (low + high) / 2),
-    ):
-        axes = page.view(x, y + 0.3, column, rows - 0.3, scale=SCALE, centre=(0.0, centre))
-        view = look_at(stone, projection)
+
+    def draw(axes: Axes, view: StoneView) -> None:
         draw_lines(axes, view, PAPER)
         _label_vertices(axes, stone, view)
-        page.caption(x, y + 0.1, column, projection.name)
-    _draw_legend(page.axes(right, bottom, column, lower))
-    return page.figure
+
+    return three_views(stone, "The 57 vertices", scale=SCALE, draw=draw, legend=_draw_legend)
 
 
 def _label_vertices(axes: Axes, stone: Stone, view: StoneView) -> None:
