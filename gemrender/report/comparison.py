@@ -39,6 +39,8 @@ FORMATS = ("table", "csv", "json", "markdown")
 
 #: Most maps in one figure; of more stones it shows the bars only.
 MOST_MAPS = 60
+#: Longest side of the figure [pixels]; matplotlib draws none of 2^16 and more.
+MOST_PIXELS = 60_000
 #: Pixels a side that a map is kept at for the figure.
 PANEL_PIXELS = 400
 
@@ -105,7 +107,9 @@ def comparison_figure(panels: Sequence[Panel]) -> Figure:
     width = max(7.6, 2.7 * columns) if rows else 10.0
     map_height, bar_height = (width / columns) + 0.62 if rows else 0.0, 0.34 * n + 1.4
     height = rows * map_height + bar_height
-    figure = Figure(figsize=(width, height), dpi=130 if n <= 12 else 100)
+    # No picture may be longer than 2^16 pixels: of very many stones it is a little coarser.
+    dpi = min(130 if n <= 12 else 100, MOST_PIXELS / height)
+    figure = Figure(figsize=(width, height), dpi=dpi)
     for i, (result, picture) in enumerate(panels[: rows * columns]):
         row, column = divmod(i, columns)
         left, bottom = column * width / columns + 0.12, height - (row + 1) * map_height + 0.08
@@ -141,12 +145,12 @@ def _draw_bars(
         )
     )
     colours = (*BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR)
+    rows = np.arange(len(scores))
+    shares = np.array([[*(b.share for b in s.bands), s.rear, s.trapped + s.lost] for s in scores])
+    starts = np.cumsum(shares, axis=1) - shares
+    for colour, share, start in zip(colours, shares.T, starts.T, strict=True):
+        axes.barh(rows, share, left=start, height=0.72, color=colour, edgecolor="white", linewidth=0.4)
     for y, s in enumerate(scores):
-        left = 0.0
-        shares = [*(b.share for b in s.bands), s.rear, s.trapped + s.lost]
-        for colour, share in zip(colours, shares, strict=True):
-            axes.barh(y, share, left=left, height=0.72, color=colour, edgecolor="white", linewidth=0.4)
-            left += share
         axes.text(101, y, f"{s.average:.2f}", va="center", fontsize=10.5, fontweight="bold", color=_INK)
     axes.set(xlim=(0, 100), ylim=(len(scores) - 0.5, -0.5))
     axes.set_yticks(

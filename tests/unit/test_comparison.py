@@ -70,6 +70,11 @@ def test_of_many_stones_it_shows_the_bars():
     assert len(figure.axes[-1].get_yticks()) == MOST_MAPS + 1
 
 
+def test_of_very_many_stones_it_can_still_be_drawn():
+    figure = comparison_figure([panel(small())] * 2000)
+    assert figure.bbox.height < 2**16
+
+
 def test_bars_fill_the_whole():
     figure = comparison_figure([panel(small())])
     bars = figure.axes[-1].patches
