@@ -14,10 +14,10 @@ import numpy as np
 from gemrender.stone import Stone
 from gemrender.stone.topology import (
     GIRDLE,
-    LOWER_GIRDLE_FACETS,
+    LOWER_GIRDLE_TRIANGLES,
     N_TRIANGLES,
     TRIANGLE_FACET,
-    UPPER_GIRDLE_FACETS,
+    UPPER_GIRDLE_TRIANGLES,
 )
 
 __all__ = ["Hit", "Surfaces"]
@@ -26,11 +26,12 @@ __all__ = ["Hit", "Surfaces"]
 #: ray through an edge or a vertex meets at least one surface.
 EDGE_TOLERANCE = 1e-11
 
-_UPPER = np.searchsorted(TRIANGLE_FACET, UPPER_GIRDLE_FACETS)
-_LOWER = np.searchsorted(TRIANGLE_FACET, LOWER_GIRDLE_FACETS)
 #: Of a triangle that goes on beyond its chord, the one across the girdle; else -1.
 _OPPOSITE = np.full(N_TRIANGLES, -1)
-_OPPOSITE[_UPPER], _OPPOSITE[_LOWER] = _LOWER, _UPPER
+_OPPOSITE[UPPER_GIRDLE_TRIANGLES], _OPPOSITE[LOWER_GIRDLE_TRIANGLES] = (
+    LOWER_GIRDLE_TRIANGLES,
+    UPPER_GIRDLE_TRIANGLES,
+)
 
 
 #: A measured wall is searched for in so many steps between two cylinders, then by halving to rounding.
@@ -246,8 +247,14 @@ class Surfaces:
         """Whether points of the wall lie between the facets above and below the girdle."""
         if self.stone.is_half_spaces:
             return self._inside_all(p)
-        upper = p @ self.stone.triangle_normals[_UPPER].T <= self.stone.triangle_offsets[_UPPER]
-        lower = p @ self.stone.triangle_normals[_LOWER].T <= self.stone.triangle_offsets[_LOWER]
+        upper = (
+            p @ self.stone.triangle_normals[UPPER_GIRDLE_TRIANGLES].T
+            <= self.stone.triangle_offsets[UPPER_GIRDLE_TRIANGLES]
+        )
+        lower = (
+            p @ self.stone.triangle_normals[LOWER_GIRDLE_TRIANGLES].T
+            <= self.stone.triangle_offsets[LOWER_GIRDLE_TRIANGLES]
+        )
         # Of each ring only the facet of the point's own sector bounds it.
         return np.asarray(
             upper[np.arange(len(p)), self._sector(p, self.stone.girdle.upper)]

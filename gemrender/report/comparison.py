@@ -16,6 +16,7 @@ import numpy as np
 from gemrender.errors import InputError
 from gemrender.observation import Observation, RayStatus
 from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR, map_picture
+from gemrender.report.lettering import name_fonts, save_png
 from gemrender.report.tables import band_name, model_text
 from gemrender.score import Score, score_observation
 from gemrender.writing import write_whole
@@ -124,7 +125,16 @@ def comparison_figure(panels: Sequence[Panel]) -> Figure:
 
 def _caption(figure: Figure, x: float, y: float, height: float, result: Score) -> None:
     name = textwrap.shorten(result.name, 30, placeholder=" …")
-    figure.text(x, y + 0.33 / height, name, fontsize=12, fontweight="bold", color=_INK, parse_math=False)
+    figure.text(
+        x,
+        y + 0.33 / height,
+        name,
+        fontsize=12,
+        fontweight="bold",
+        color=_INK,
+        family=name_fonts(),
+        parse_math=False,
+    )
     text = f"Average {result.average:.2f} %    Rear {result.rear:.2f} %"
     figure.text(x, y + 0.1 / height, text, fontsize=10, color=_GREY)
 
@@ -157,13 +167,14 @@ def _draw_bars(
         range(len(scores)),
         [textwrap.shorten(s.name, 26, placeholder=" …") for s in scores],
         fontsize=10.5,
+        family=name_fonts(),
         parse_math=False,
     )
     axes.set_xticks(range(0, 101, 20), [f"{x} %" for x in range(0, 101, 20)], fontsize=9.5, color=_GREY)
     axes.tick_params(length=0)
     axes.spines[["top", "right", "left", "bottom"]].set_visible(False)
     axes.text(101, -0.62, "Average", fontsize=9.5, color=_GREY, va="bottom")
-    names = [f"{band_name(b).replace('>=', '≥').replace('-', '–')} %" for b in scores[0].bands]
+    names = [f"{band_name(b, typeset=True)} %" for b in scores[0].bands]
     handles = [Patch(facecolor=c, label=t) for c, t in zip(colours, [*names, "Rear"], strict=False)]
     figure.legend(
         handles=handles,
@@ -218,7 +229,9 @@ def difference_figure(first: Observation, second: Observation) -> Figure:
     scale.set_title("Δ intensity\n[%]", fontsize=10, color=_GREY, loc="left", pad=10)
     one, other = (textwrap.shorten(s.name, 34, placeholder=" …") for s in (a, b))
     title = f"{one} minus {other}"
-    figure.text(0.035, 0.945, title, fontsize=15, fontweight="bold", color=_INK, parse_math=False)
+    figure.text(
+        0.035, 0.945, title, fontsize=15, fontweight="bold", color=_INK, family=name_fonts(), parse_math=False
+    )
     text = f"Average {a.average - b.average:+.2f} %    Rear {a.rear - b.rear:+.2f} %".replace("-", "−")
     figure.text(0.035, 0.895, text, fontsize=11.5, color=_GREY)
     return figure
@@ -228,10 +241,10 @@ def write_comparison(panels: Sequence[Panel], pair: Sequence[Observation], folde
     """Write comparison.png, .csv and .json, and difference.png of a pair; all of them or none."""
     scores = [result for result, _ in panels]
     wanted: dict[str, Callable[[Path], object]] = {
-        "comparison.png": lambda path: comparison_figure(panels).savefig(path, format="png"),
+        "comparison.png": lambda path: save_png(comparison_figure(panels), path),
         "comparison.csv": lambda path: path.write_text(format_scores(scores, "csv") + "\n", encoding="utf-8"),
         "comparison.json": lambda path: path.write_text(format_scores(scores, "json"), encoding="utf-8"),
     }
     if len(pair) == 2:
-        wanted["difference.png"] = lambda path: difference_figure(*pair).savefig(path, format="png")
+        wanted["difference.png"] = lambda path: save_png(difference_figure(*pair), path)
     return write_whole(folder, wanted)

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import math
 import textwrap
-import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +11,7 @@ import numpy as np
 
 import gemrender
 from gemrender.observation import Observation, RayStatus
+from gemrender.report.lettering import boxes_for_letters, name_fonts, save_png
 from gemrender.report.tables import band_name, model_text
 from gemrender.score import BAND_EDGES, Score, score_observation
 
@@ -46,9 +44,6 @@ MAP_PIXELS = (800, 1600)
 # The page: a square map with margins for axes and title, and a panel with the shares [inch].
 _MAP, _LEFT, _BOTTOM, _TOP, _GAP, _PANEL, _RIGHT = 6.0, 0.95, 0.85, 0.8, 0.45, 3.9, 0.3
 _GREY = "#666666"
-#: Fonts with Japanese and Chinese, of which the first that is there helps out where DejaVu has no letter.
-_EAST_ASIAN = ("Noto Sans CJK JP", "Noto Sans JP", "Hiragino Sans", "Yu Gothic", "Meiryo", "MS Gothic",
-               "IPAexGothic", "IPAGothic", "TakaoGothic", "WenQuanYi Zen Hei")  # fmt: skip
 
 
 def map_figure(observation: Observation) -> Figure:
@@ -91,9 +86,7 @@ def map_figure(observation: Observation) -> Figure:
 
 def write_map_figure(observation: Observation, path: Path) -> None:
     """Write the map's figure as PNG."""
-    figure = map_figure(observation)
-    with _boxes_for_letters():
-        figure.savefig(path, format="png", dpi=figure.dpi, metadata={"Title": observation.stone.name})
+    save_png(map_figure(observation), path, metadata={"Title": observation.stone.name})
 
 
 # ---- The parts of the page -----------------------------------------------------------------------------
@@ -117,7 +110,7 @@ def _draw_axes(axes: Axes, observation: Observation) -> None:
 def _draw_panel(axes: Axes, result: Score) -> None:
     """Draw the numbers: the two scores, the shares as bars in the map's colours, and the rules."""
     rows = [
-        (colour, f"{band_name(band).replace('-', '–').replace('>=', '≥')} %", band.share)
+        (colour, f"{band_name(band, typeset=True)} %", band.share)
         for colour, band in zip(BAND_COLOURS, result.bands, strict=True)
     ]
     rows.append((REAR_COLOUR, "Rear", result.rear))
@@ -160,26 +153,14 @@ def _rules(result: Score) -> str:
 
 def _draw_title(figure: Figure, name: str, x: float, y: float) -> None:
     """Write the stone's name, long ones smaller and on two lines."""
-    from matplotlib.font_manager import fontManager
-
     lines = textwrap.wrap(name, 56)
-    there = {font.name for font in fontManager.ttflist}
-    family = ["DejaVu Sans", *[font for font in _EAST_ASIAN if font in there][:1]]
     size = 20.0 if len(lines) == 1 else 15.0
     title = figure.text(
-        x, y, "\n".join(lines), fontsize=size, fontweight="bold", family=family, parse_math=False
+        x, y, "\n".join(lines), fontsize=size, fontweight="bold", family=name_fonts(), parse_math=False
     )
-    with _boxes_for_letters():
+    with boxes_for_letters():
         wanted = title.get_window_extent().width
     title.set_fontsize(min(size, size * 0.98 * (1 - x) * figure.bbox.width / wanted))
-
-
-@contextmanager
-def _boxes_for_letters() -> Iterator[None]:
-    """Do not warn of letters that no font has; they are drawn as boxes."""
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", message="Glyph .* missing from", category=UserWarning)
-        yield
 
 
 # ---- The map as a picture ------------------------------------------------------------------------------

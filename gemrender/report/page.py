@@ -26,24 +26,21 @@ import gemrender
 from gemrender.errors import InputError
 from gemrender.observation import Model, Observation, RayStatus, View
 from gemrender.optics.fresnel import GUBELIN_ANGLES_DEG, GUBELIN_REFLECTED, critical_angle_deg
-from gemrender.report.displays.rays import RAY_COLOURS
+from gemrender.report.dimensions import dimensions
+from gemrender.report.displays.ray_colours import RAY_COLOURS
 from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR
 from gemrender.report.tables import band_name, model_text
 from gemrender.score import score_observation
 from gemrender.stone import Stone, tessellate
 from gemrender.stone.topology import (
-    CONTACT,
-    CULET,
     FACET_NAMES,
     GIRDLE,
     GIRDLE_LOWER,
     GIRDLE_UPPER,
-    LOWER_GIRDLE_FACETS,
-    STAR_TIP,
-    TABLE_CORNER,
+    LOWER_GIRDLE_TRIANGLES,
     TRIANGLE_FACET,
     TRIANGLES,
-    UPPER_GIRDLE_FACETS,
+    UPPER_GIRDLE_TRIANGLES,
 )
 from gemrender.writing import write_whole
 
@@ -204,15 +201,14 @@ def _data(observations: Iterable[Observation]) -> dict[str, Any]:
 
 def topology() -> dict[str, Any]:
     """Return what `tracer.js` needs that is the same for every stone."""
-    of_facet = np.searchsorted(TRIANGLE_FACET, [UPPER_GIRDLE_FACETS, LOWER_GIRDLE_FACETS]).tolist()
     return {
         "triangles": TRIANGLES.tolist(),
         "triangleFacet": TRIANGLE_FACET.tolist(),
         "girdle": GIRDLE,
         "girdleUpper": GIRDLE_UPPER.tolist(),
         "girdleLower": GIRDLE_LOWER.tolist(),
-        "upperTriangles": of_facet[0],
-        "lowerTriangles": of_facet[1],
+        "upperTriangles": UPPER_GIRDLE_TRIANGLES.tolist(),
+        "lowerTriangles": LOWER_GIRDLE_TRIANGLES.tolist(),
         "gubelinAngles": GUBELIN_ANGLES_DEG.tolist(),
         "gubelinReflected": GUBELIN_REFLECTED.tolist(),
     }
@@ -266,7 +262,7 @@ def _scored(observation: Observation) -> dict[str, Any]:
             "rear": result.rear,
             "unsolved": result.trapped + result.lost,
             "bands": [
-                {"name": _in_print(band_name(band)), "low": band.low, "share": band.share}
+                {"name": band_name(band, typeset=True), "low": band.low, "share": band.share}
                 for band in result.bands
             ],
         },
@@ -275,10 +271,6 @@ def _scored(observation: Observation) -> dict[str, Any]:
         "modelText": model_text(result),
         "engineText": f"{view}, {engine}" + (f" ({result.variant})" if result.variant else ""),
     }
-
-
-def _in_print(band: str) -> str:
-    return band.replace("-", "–").replace(">= ", "≥ ")
 
 
 def _map(observation: Observation) -> dict[str, Any]:
@@ -309,29 +301,16 @@ def _map(observation: Observation) -> dict[str, Any]:
 
 def _proportions(stone: Stone) -> list[dict[str, Any]]:
     """Return rows of the table of proportions: name, value, unit; of a measured stone their means."""
-    v = stone.vertices
-    radius, z = np.hypot(v[:, 0], v[:, 1]), v[:, 2]
-    if stone.proportions is not None:
-        p = stone.proportions
-        table, star, contact = p.table, p.star, p.lower_girdle_contact
-        crown, depth, girdle = p.crown_height, p.pavilion_depth, p.girdle_thickness
-    else:
-        table, contact = 100 * radius[TABLE_CORNER].mean(), 100 * radius[CONTACT].mean()
-        edge = radius[TABLE_CORNER].mean() * math.cos(math.pi / 8)
-        star = 100 * (radius[STAR_TIP].mean() - edge) / (1 - edge)
-        crown = 50 * (z[TABLE_CORNER].mean() - z[GIRDLE_UPPER].mean())
-        girdle = 50 * (z[GIRDLE_UPPER].mean() - z[GIRDLE_LOWER].mean())
-        depth = 50 * (z[GIRDLE_LOWER].mean() - z[CULET])
-    crown_angle = math.degrees(math.atan2(2 * crown, 100 - table))
+    values = dimensions(stone)
     rows = [
-        ("Table size", table, "%"),
-        ("Crown angle", crown_angle, "°"),
-        ("Crown height", crown, "%"),
-        ("Pavilion angle", math.degrees(math.atan2(2 * depth, 100)), "°"),
-        ("Pavilion depth", depth, "%"),
-        ("Girdle thickness", girdle, "%"),
-        ("Total depth", crown + girdle + depth, "%"),
-        ("Star length", star, "%"),
-        ("Lower-half length", 100 - contact, "%"),
+        ("Table size", values["table"].value, "%"),
+        ("Crown angle", values["crown_angle"].value, "°"),
+        ("Crown height", values["crown_height"].value, "%"),
+        ("Pavilion angle", values["pavilion_angle"].value, "°"),
+        ("Pavilion depth", values["pavilion_depth"].value, "%"),
+        ("Girdle thickness", values["girdle_thickness"].value, "%"),
+        ("Total depth", values["total_depth"].value, "%"),
+        ("Star length", values["star"].value, "%"),
+        ("Lower-half length", 100 - values["lower_girdle_contact"].value, "%"),
     ]
-    return [{"name": name, "value": round(float(value), 2), "unit": unit} for name, value, unit in rows]
+    return [{"name": name, "value": round(value, 2), "unit": unit} for name, value, unit in rows]

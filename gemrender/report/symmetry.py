@@ -10,6 +10,7 @@ import numpy as np
 from rich.console import Console
 from rich.text import Text
 
+from gemrender.report.lettering import name_fonts, save_png
 from gemrender.report.tables import note, table
 from gemrender.sweep import SymmetryStudy
 from gemrender.writing import write_whole
@@ -56,7 +57,16 @@ def symmetry_figure(study: SymmetryStudy) -> Figure:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9.2, 4.6), dpi=140)
-    figure.text(0.06, 0.915, study.name, fontsize=16, fontweight="bold", color=_INK, parse_math=False)
+    figure.text(
+        0.06,
+        0.915,
+        study.name,
+        fontsize=16,
+        fontweight="bold",
+        color=_INK,
+        family=name_fonts(),
+        parse_math=False,
+    )
     figure.text(0.06, 0.855, rule_text(study).replace(" x ", " × "), fontsize=10, color=_GREY)
     summary = study.summary()
     for column, (name, title) in enumerate((("average", "Average"), ("rear", "Rear"))):
@@ -82,4 +92,4 @@ def symmetry_figure(study: SymmetryStudy) -> Figure:
 def write_symmetry_figure(study: SymmetryStudy, path: Path) -> Path:
     """Write the figure as PNG, whole or not at all; return its path."""
     figure = symmetry_figure(study)
-    return write_whole(path.parent, {path.name: lambda part: figure.savefig(part, format="png")})[0]
+    return write_whole(path.parent, {path.name: lambda part: save_png(figure, part)})[0]

@@ -15,9 +15,10 @@ from gemrender.score import Band, Score
 __all__ = ["band_name", "model_text", "note", "print_crosschecks", "print_scores", "table"]
 
 
-def band_name(band: Band) -> str:
-    """Return a band's name, such as ">= 75" or "60-75" [%]."""
-    return f">= {band.low:g}" if band.high is None else f"{band.low:g}-{band.high:g}"
+def band_name(band: Band, *, typeset: bool = False) -> str:
+    """Return a band's name [%], such as ">= 75" or "60-75"; typeset with the signs that print has for it."""
+    name = f">= {band.low:g}" if band.high is None else f"{band.low:g}-{band.high:g}"
+    return name.replace(">=", "≥").replace("-", "–") if typeset else name
 
 
 def model_text(score: Score) -> str:

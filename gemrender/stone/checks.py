@@ -8,10 +8,10 @@ from gemrender.errors import InputError
 from gemrender.stone.topology import (
     CONTACT,
     CULET,
-    FACET_KINDS,
     FACET_NAMES,
     GIRDLE_LOWER,
     GIRDLE_UPPER,
+    IS_CROWN,
     N_VERTICES,
     STAR_TIP,
     TABLE_CORNER,
@@ -137,7 +137,7 @@ def _check_faces(v: np.ndarray) -> None:
     for i in np.flatnonzero(twice_area < 2 * LEAST_AREA).tolist():
         raise InputError(f"facet {names[i]} has no area: are its vertices in order?", key=_KEY)
     normals = cross / twice_area[:, None]
-    crown = np.isin([FACET_KINDS[f] for f in TRIANGLE_FACET], ["table", "star", "bezel", "upper_girdle"])
+    crown = IS_CROWN[TRIANGLE_FACET]
     facing = np.where(crown, normals[:, 2], -normals[:, 2])
     for i in np.flatnonzero(facing < LEAST_FACING).tolist():
         side = "up" if crown[i] else "down"

@@ -10,16 +10,12 @@ from __future__ import annotations
 import numpy as np
 
 from gemrender.errors import InputError
-from gemrender.stone.topology import FACET_KINDS, GIRDLE, N_SECTORS
+from gemrender.stone.topology import GIRDLE, IS_CROWN, N_SECTORS
 
 __all__ = ["clip_half_spaces", "half_space_mesh"]
 
 #: Half the side of the square that each facet is cut from [girdle radius]: beyond the cylinder everywhere.
 _SQUARE = 4.0
-
-_CROWN = [
-    facet for facet, kind in enumerate(FACET_KINDS) if kind in ("table", "star", "bezel", "upper_girdle")
-]
 
 Key = tuple[object, ...]
 Polygon = list[tuple[Key, np.ndarray]]
@@ -126,7 +122,7 @@ def half_space_mesh(
         polygon, on_rim = _within_cylinder(facet, neighbours, corner, grid)
         if len(polygon) < 3:
             continue
-        rims[facet in _CROWN].update(on_rim)
+        rims[bool(IS_CROWN[facet])].update(on_rim)
         ring = [index(key, point) for key, point in polygon]
         middle = index(("middle", facet), np.mean([point for _, point in polygon], axis=0))
         for a, b in zip(ring, [*ring[1:], ring[0]], strict=True):
@@ -231,7 +227,7 @@ def _between(
 
 def _arc(facet: int, start: np.ndarray, end: np.ndarray, corner: _Corners, grid: np.ndarray) -> Polygon:
     """Grid points of the circle between two of its points, on the facet's plane, ends left out."""
-    crown = facet in _CROWN
+    crown = bool(IS_CROWN[facet])
     turn = 1.0 if crown else -1.0  # anticlockwise from outside is clockwise from above on the pavilion
     a, b = (float(np.arctan2(p[1], p[0])) for p in (start, end))
     span = (turn * (b - a)) % (2 * np.pi)

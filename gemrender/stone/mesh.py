@@ -20,11 +20,13 @@ from gemrender.stone.topology import (
     GIRDLE_LOWER,
     GIRDLE_UPPER,
     LOWER_GIRDLE_FACETS,
+    LOWER_GIRDLE_TRIANGLES,
     N_SECTORS,
     N_VERTICES,
     TRIANGLE_FACET,
     TRIANGLES,
     UPPER_GIRDLE_FACETS,
+    UPPER_GIRDLE_TRIANGLES,
 )
 
 __all__ = ["ARC_SEGMENTS", "StoneMesh", "tessellate"]
@@ -165,13 +167,12 @@ def _topology(n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     fan = np.array(list(_halving(0, n)))
 
     faces, triangle = [TRIANGLES], [np.arange(len(TRIANGLES))]
-    for arcs, facets, order in (
-        (upper, UPPER_GIRDLE_FACETS, (0, 1, 2)),
-        (lower, LOWER_GIRDLE_FACETS, (2, 1, 0)),
+    for arcs, of_facets, order in (
+        (upper, UPPER_GIRDLE_TRIANGLES, (0, 1, 2)),
+        (lower, LOWER_GIRDLE_TRIANGLES, (2, 1, 0)),
     ):
         faces.append(arcs[:, fan[:, order]].reshape(-1, 3))
-        of_facet = np.searchsorted(TRIANGLE_FACET, facets)  # a girdle facet is one triangle
-        triangle.append(np.repeat(of_facet, len(fan)))
+        triangle.append(np.repeat(of_facets, len(fan)))
     a, b, c, d = lower[:, :-1], lower[:, 1:], upper[:, 1:], upper[:, :-1]
     quads = np.stack([np.stack([a, b, c], -1), np.stack([a, c, d], -1)], axis=2).reshape(-1, 3)
     faces.append(quads)

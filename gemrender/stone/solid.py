@@ -15,7 +15,6 @@ from gemrender.stone.topology import (
     FACET_POLYGONS,
     GIRDLE_LOWER,
     GIRDLE_UPPER,
-    N_FACETS,
     N_TRIANGLES,
     N_VERTICES,
     TRIANGLE_FACET,
@@ -222,11 +221,6 @@ class Stone:
     def triangle_facet(self) -> np.ndarray:
         """(78,) int: facet that each triangle belongs to."""
         return TRIANGLE_FACET
-
-    @property
-    def n_facets(self) -> int:
-        """Number of facets, the girdle included."""
-        return N_FACETS
 
 
 def _planes(v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

@@ -18,7 +18,9 @@ __all__ = [
     "GIRDLE",
     "GIRDLE_LOWER",
     "GIRDLE_UPPER",
+    "IS_CROWN",
     "LOWER_GIRDLE_FACETS",
+    "LOWER_GIRDLE_TRIANGLES",
     "N_FACETS",
     "N_SECTORS",
     "N_TRIANGLES",
@@ -28,6 +30,7 @@ __all__ = [
     "TRIANGLES",
     "TRIANGLE_FACET",
     "UPPER_GIRDLE_FACETS",
+    "UPPER_GIRDLE_TRIANGLES",
     "VERTEX_LABELS",
 ]
 
@@ -74,6 +77,9 @@ FACET_KINDS: tuple[str, ...] = (*(kind for kind, _ in _polygons()), "girdle")
 #: Number of the girdle among the facets.
 GIRDLE = FACET_KINDS.index("girdle")
 
+#: (57,) bool: which of the plane facets belong to the crown.
+IS_CROWN = np.array([kind in ("table", "star", "bezel", "upper_girdle") for kind in FACET_KINDS[:-1]])
+
 UPPER_GIRDLE_FACETS = np.array([i for i, kind in enumerate(FACET_KINDS) if kind == "upper_girdle"])
 LOWER_GIRDLE_FACETS = np.array([i for i, kind in enumerate(FACET_KINDS) if kind == "lower_girdle"])
 
@@ -102,9 +108,15 @@ _FANS = [
 #: (78,) int: the facet that each triangle belongs to.
 TRIANGLE_FACET = np.array([fan[0] for fan in _FANS])
 
+#: The triangle that each upper and each lower girdle facet is.
+UPPER_GIRDLE_TRIANGLES = np.searchsorted(TRIANGLE_FACET, UPPER_GIRDLE_FACETS)
+LOWER_GIRDLE_TRIANGLES = np.searchsorted(TRIANGLE_FACET, LOWER_GIRDLE_FACETS)
+
 #: (78, 3) int: vertices of each triangle. Of a girdle facet the first vertex is the one off the girdle.
 TRIANGLES = np.array([fan[1:] for fan in _FANS])
 
-for _array in (TABLE_CORNER, STAR_TIP, GIRDLE_UPPER, GIRDLE_LOWER, CONTACT, TRIANGLES, TRIANGLE_FACET,
-               UPPER_GIRDLE_FACETS, LOWER_GIRDLE_FACETS):  # fmt: skip
+for _array in (
+    *(TABLE_CORNER, STAR_TIP, GIRDLE_UPPER, GIRDLE_LOWER, CONTACT, TRIANGLES, TRIANGLE_FACET, IS_CROWN),
+    *(UPPER_GIRDLE_FACETS, LOWER_GIRDLE_FACETS, UPPER_GIRDLE_TRIANGLES, LOWER_GIRDLE_TRIANGLES),
+):
     _array.setflags(write=False)

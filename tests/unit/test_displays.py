@@ -16,9 +16,9 @@ from gemrender.cli.show import _FORMATS, _WHATS, _points
 from gemrender.errors import InputError
 from gemrender.observation import Model, RayStatus
 from gemrender.reference import trace_paths
+from gemrender.report.dimensions import dimensions
 from gemrender.report.displays import DISPLAYS, FORMATS, draw, write_display
 from gemrender.report.displays.fan import fan_points
-from gemrender.report.displays.outline import dimensions
 from gemrender.report.displays.projection import CROWN, OBLIQUE, PAVILION, look_at, section, side
 from gemrender.report.displays.ray_colours import RAY_COLOURS, REAR_COLOUR, ray_colour
 from gemrender.report.displays.rays import default_points

@@ -19,6 +19,7 @@ from gemrender.errors import InputError
 from gemrender.observation import MAP_CHANNELS, MAP_TYPES, PATH_CODE_MASK, RayStatus
 from gemrender.report import figures
 from gemrender.report.files import file_stems, prepare_folder, write_exr, write_observation
+from gemrender.report.lettering import boxes_for_letters
 from gemrender.score import BAND_EDGES, score_observation
 from gemrender.stone import Stone
 from gemrender.stone.files import LONGEST_NAME
@@ -219,7 +220,7 @@ def assert_within(figure):
     from matplotlib.text import Text
 
     canvas = FigureCanvasAgg(figure)
-    with figures._boxes_for_letters():
+    with boxes_for_letters():
         canvas.draw()  # which puts the labels of the axes in their place
     renderer = canvas.get_renderer()
     for text in figure.findobj(Text):

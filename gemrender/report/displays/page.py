@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import textwrap
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -12,6 +11,7 @@ import numpy as np
 
 import gemrender
 from gemrender.report.displays.projection import CROWN, PAVILION, StoneView, look_at, side
+from gemrender.report.lettering import boxes_for_letters, name_fonts
 from gemrender.stone import Stone
 
 if TYPE_CHECKING:
@@ -127,10 +127,9 @@ class Page:
         top = (self.height - self.MARGIN) / self.height
         title = self.figure.text(
             self.MARGIN / self.width, top, "\n".join(lines), fontsize=size, fontweight="bold", va="top",
-            color=self.theme.ink, family=_family(), parse_math=False, linespacing=1.1,
+            color=self.theme.ink, family=name_fonts(), parse_math=False, linespacing=1.1,
         )  # fmt: skip
-        with warnings.catch_warnings():  # a letter that no font has is drawn as a box
-            warnings.filterwarnings("ignore", message="Glyph .* missing from", category=UserWarning)
+        with boxes_for_letters():
             wanted = title.get_window_extent().width / DPI
         title.set_fontsize(min(size, size * 0.55 * (self.width - 2 * self.MARGIN) / wanted))
         self.figure.text(
@@ -213,13 +212,3 @@ def draw_lines(
             ),
             autolim=False,
         )  # fmt: skip
-
-
-def _family() -> list[str]:
-    """Fonts for names: the first with Japanese and Chinese helps out where DejaVu has no letter."""
-    from matplotlib.font_manager import fontManager
-
-    east_asian = ("Noto Sans CJK JP", "Noto Sans JP", "Hiragino Sans", "Yu Gothic", "Meiryo", "MS Gothic",
-                  "IPAexGothic", "IPAGothic", "TakaoGothic", "WenQuanYi Zen Hei")  # fmt: skip
-    there = {font.name for font in fontManager.ttflist}
-    return ["DejaVu Sans", *[font for font in east_asian if font in there][:1]]
