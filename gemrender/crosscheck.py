@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-from gemrender.score import Band, score_observation
+from gemrender.score import Band, score_pixels
 
 if TYPE_CHECKING:
     from gemrender.observation import Observation
@@ -45,6 +45,8 @@ class CrossCheck:
     ----------
     name : str
         The stone's name.
+    engines : (str, str)
+        What traced the first and the second.
     rays : int
         Rays that met the stone in either observation.
     same_exit : float
@@ -64,6 +66,7 @@ class CrossCheck:
     """
 
     name: str
+    engines: tuple[str, str]
     rays: int
     same_exit: float
     same_path: float
@@ -125,9 +128,10 @@ def crosscheck(first: Observation, second: Observation) -> CrossCheck:
     difference = np.abs(
         first.primary_intensity[same_path].astype(np.float64) - second.primary_intensity[same_path]
     )
-    a, b = score_observation(first), score_observation(second)
+    a, b = score_pixels(first), score_pixels(second)
     return CrossCheck(
         name=first.stone.name,
+        engines=(first.engine, second.engine),
         rays=rays,
         same_exit=100.0 * np.count_nonzero(same_exit) / rays,
         same_path=100.0 * np.count_nonzero(same_path) / rays,

@@ -2,28 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
-from gemrender.errors import InputError
+from gemrender.errors import BackendError, InputError
 
 if TYPE_CHECKING:
     from gemrender.observation import Observation
     from gemrender.stone import Stone
 
 __all__ = [
+    "AUTO",
+    "DEFAULT_BOUND",
     "DEFAULT_ENGINE",
     "DEFAULT_RESOLUTION",
     "DEFAULT_VARIANT",
     "ENGINES",
     "VARIANTS",
+    "engine_for",
     "observe",
-    "observe_both",
+    "observe_alike",
     "require_engine",
 ]
 
-ENGINES = ("mitsuba", "reference")
-DEFAULT_ENGINE = "mitsuba"
+#: Exact for convex stones, Mitsuba for others.
+AUTO = "auto"
+ENGINES = (AUTO, "exact", "mitsuba", "reference")
+DEFAULT_ENGINE = AUTO
 #: The variants of Mitsuba's wheels but the scalar ones, which are too slow for plugins in Python.
 VARIANTS = tuple(
     f"{backend}_ad_{colour}"
@@ -33,34 +38,76 @@ VARIANTS = tuple(
 DEFAULT_VARIANT = "llvm_ad_mono"
 #: Pixels a side.
 DEFAULT_RESOLUTION = 1024
+#: Error bound of exact scores [%].
+DEFAULT_BOUND = 0.05
 
 
-def require_engine(engine: str, variant: str = DEFAULT_VARIANT) -> None:
-    """Check that an engine can trace here, before any work is done for it.
-
-    Parameters
-    ----------
-    engine : {"mitsuba", "reference"}
-        Which tracer. For Mitsuba, the variant is set, and left set.
-    variant : str
-        Mitsuba variant. The reference makes no use of it and needs no Mitsuba, but a name that no variant
-        has is refused all the same: it is a slip.
+def engine_for(engine: str, stone: Stone) -> str:
+    """Return the engine that traces a stone: for "auto" the exact one if the stone is convex, else Mitsuba's.
 
     Raises
     ------
     InputError
-        Unknown engine or variant.
-    BackendError
-        Mitsuba cannot run here.
+        Unknown engine.
     """
     if engine not in ENGINES:
         raise InputError(f"must be one of {', '.join(ENGINES)}", key="engine", value=engine)
-    if engine == "mitsuba":
+    if engine != AUTO:
+        return engine
+    try:
+        from gemrender.beam import beam_stone
+
+        beam_stone(stone)
+    except (InputError, ImportError):  # hollow, or no numba here
+        return "mitsuba"
+    return "exact"
+
+
+def require_engine(
+    engine: str, variant: str = DEFAULT_VARIANT, *, stones: Iterable[Stone] = (), bound: float = DEFAULT_BOUND
+) -> None:
+    """Check that an engine can trace here, before any work is done for it.
+
+    Parameters
+    ----------
+    engine : {"auto", "exact", "mitsuba", "reference"}
+        Which tracer. For Mitsuba, the variant is set, and left set; the exact one is compiled.
+    variant : str
+        Mitsuba variant. The other engines make no use of it, but a name that no variant has is refused all
+        the same: it is a slip.
+    stones : iterable of Stone
+        What is to be traced.
+    bound : float
+        Error bound of exact scores [%].
+
+    Raises
+    ------
+    InputError
+        Unknown engine or variant, a bound out of range, or a stone that the engine cannot trace.
+    BackendError
+        The engine cannot run here.
+    """
+    if engine not in ENGINES:
+        raise InputError(f"must be one of {', '.join(ENGINES)}", key="engine", value=engine)
+    if variant not in VARIANTS:
+        raise InputError(f"must be one of {', '.join(VARIANTS)}", key="variant", value=variant)
+    needed = {engine_for(engine, stone) for stone in stones} or {engine}
+    if "mitsuba" in needed:
         from gemrender.render.backend import ensure_variant
 
-        ensure_variant(variant)
-    elif variant not in VARIANTS:
-        raise InputError(f"must be one of {', '.join(VARIANTS)}", key="variant", value=variant)
+        try:
+            ensure_variant(variant)
+        except BackendError as error:
+            raise BackendError(
+                f"{error}; without Mitsuba, --engine exact and --engine reference work"
+            ) from error
+    if "exact" in needed:
+        beam = _beam()
+        beam.check_bound(bound)
+        for stone in stones:
+            if engine_for(engine, stone) == "exact":
+                beam.beam_stone(stone)
+        beam.prepare()
 
 
 def observe(
@@ -74,6 +121,8 @@ def observe(
     intensity: str = "primary",
     tilt_deg: float = 0.0,
     tilt_azimuth_deg: float = 0.0,
+    bound: float = DEFAULT_BOUND,
+    seed: int = 1,
     progress: Callable[[float], None] | None = None,
 ) -> Observation:
     """Trace a stone's top view and return the maps behind its score.
@@ -82,12 +131,12 @@ def observe(
     ----------
     stone : Stone
         The stone; `load_stone` reads one.
-    engine : {"mitsuba", "reference"}
-        Which tracer.
+    engine : {"auto", "exact", "mitsuba", "reference"}
+        Which tracer; "auto" is the exact one for convex stones, and Mitsuba for others.
     resolution : int
         Pixels a side of the square map.
     variant : str
-        Mitsuba variant, which is set and left set; the reference makes no use of it.
+        Mitsuba variant, which is set and left set; the other engines make no use of it.
     fresnel : {"gubelin", "exact"}, optional
         Transmittance law; by default Gübelin's table for diamond, Fresnel's equations for other stones.
     rear : {"position", "direction"}
@@ -96,22 +145,30 @@ def observe(
         The paper's measure, or radiance.
     tilt_deg, tilt_azimuth_deg : float
         Tilt of the eye from the stone's axis, and the azimuth it is tilted to [deg].
+    bound, seed : float, int
+        For exact scores their error bound [%], and the seed of the rays near the girdle; the other engines
+        make no use of them.
     progress : callable, optional
         Called with the share done, 0 to 1.
 
     Raises
     ------
     InputError
-        A value outside what is listed.
+        A value outside what is listed, or a stone that the engine cannot trace.
     BackendError
-        Mitsuba cannot run here.
+        The engine cannot run here.
     """
     from gemrender.observation import Model, View
 
     model = Model.of(stone, fresnel=fresnel, rear=rear, intensity=intensity)
     view = View.of(stone, resolution, tilt_deg=tilt_deg, tilt_azimuth_deg=tilt_azimuth_deg)
-    require_engine(engine, variant)
-    if engine == "reference":
+    require_engine(engine, variant, stones=[stone], bound=bound)
+    used = engine_for(engine, stone)
+    if used == "exact":
+        from gemrender.beam.maps import observe as by_beams
+
+        return by_beams(stone, view, model, bound=bound, seed=seed, progress=progress)
+    if used == "reference":
         from gemrender.reference import observe as by_reference
 
         return by_reference(stone, view, model, progress=progress)
@@ -120,20 +177,46 @@ def observe(
     return by_mitsuba(stone, view, model, variant=variant, progress=progress)
 
 
-def observe_both(
+def observe_alike(
     stone: Stone,
     *,
     variant: str = DEFAULT_VARIANT,
     progress: Callable[[float], None] | None = None,
     **options: Any,
-) -> tuple[Observation, Observation]:
-    """Trace the very same rays with Mitsuba and with the reference; options and errors as for `observe`.
+) -> list[Observation]:
+    """Trace the very same rays with all engines; options and errors as for `observe`.
 
-    Mitsuba's rays start where single precision puts them, and the reference follows just those.
+    Mitsuba's rays start where single precision puts them, and the others follow just those.
+
+    Returns
+    -------
+    list of Observation
+        By the reference, by Mitsuba, and, if the stone is convex, by beams.
     """
     by_mitsuba = observe(stone, engine="mitsuba", variant=variant, **options)
     from gemrender.reference import observe as by_reference
     from gemrender.render.observe import sensor_rays
 
-    rays = sensor_rays(by_mitsuba.view, variant=variant)
-    return by_mitsuba, by_reference(stone, by_mitsuba.view, by_mitsuba.model, rays=rays, progress=progress)
+    view, model = by_mitsuba.view, by_mitsuba.model
+    rays = sensor_rays(view, variant=variant)
+    out = [by_reference(stone, view, model, rays=rays, progress=progress), by_mitsuba]
+    if engine_for(AUTO, stone) == "exact":
+        from gemrender.beam.maps import observe as by_beams
+
+        out.append(by_beams(stone, view, model, rays=rays))
+    return out
+
+
+def _beam() -> Any:
+    """Import the exact engine.
+
+    Raises
+    ------
+    BackendError
+        numba cannot be imported.
+    """
+    try:
+        import gemrender.beam
+    except ImportError as error:
+        raise BackendError(f"the exact engine cannot run: {error}; to cure it: pip install numba") from error
+    return gemrender.beam

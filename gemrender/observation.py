@@ -20,6 +20,7 @@ __all__ = [
     "PATH_CODE_FACTOR",
     "PATH_CODE_MASK",
     "REAR_RULES",
+    "Measurement",
     "Model",
     "Observation",
     "RayStatus",
@@ -193,6 +194,45 @@ class View:
         return x, -x
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Measurement:
+    """The exact scores of one view of a stone, in per cent of the area of the view.
+
+    Attributes
+    ----------
+    average : float
+        Mean intensity, rear light counted as 0 [%].
+    rear, trapped, lost : float
+        Shares of the view [%].
+    bands : (6,) float64
+        Shares of the lit part by intensity, brightest first [%].
+    bound : float
+        Each of these is within this of the truth, with a confidence of 99.9 % [%].
+    rays : int
+        Rays that were followed near the girdle.
+    area : float
+        Area of the view [girdle radius^2].
+    sizes : (n,) float64
+        Areas of the virtual facets of the whole view, girdle cells left out [% of the view].
+    girdle : float
+        Share of the view that no polygon tells [%].
+    seconds : float
+        Time that it took [s].
+    """
+
+    average: float
+    rear: float
+    bands: np.ndarray
+    trapped: float
+    lost: float
+    bound: float
+    rays: int
+    area: float
+    sizes: np.ndarray
+    girdle: float
+    seconds: float
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Observation:
     """Maps over a view of a stone, one value a pixel, row 0 at the top.
@@ -223,6 +263,8 @@ class Observation:
         Which tracer, and which Mitsuba variant ("" for the reference).
     seconds : float
         Time that the trace took [s].
+    measured : Measurement or None
+        What the engine knows of the whole view besides the pixels.
     """
 
     primary_intensity: np.ndarray
@@ -241,6 +283,7 @@ class Observation:
     engine: str
     variant: str = ""
     seconds: float = 0.0
+    measured: Measurement | None = None
 
     def __post_init__(self) -> None:
         for name in MAP_TYPES:

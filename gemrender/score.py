@@ -2,17 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-from gemrender.engines import DEFAULT_ENGINE, observe
+from gemrender.engines import (
+    DEFAULT_BOUND,
+    DEFAULT_ENGINE,
+    DEFAULT_RESOLUTION,
+    DEFAULT_VARIANT,
+    engine_for,
+    observe,
+    require_engine,
+)
 from gemrender.errors import InputError
 
 if TYPE_CHECKING:
-    from gemrender.observation import Observation
+    import numpy as np
+
+    from gemrender.observation import Measurement, Model, Observation, View
     from gemrender.stone import Stone
 
-__all__ = ["BAND_EDGES", "Band", "Score", "score", "score_observation"]
+__all__ = ["BAND_EDGES", "Band", "FacetSizes", "Score", "score", "score_observation", "score_pixels"]
 
 #: Lower edges of the bands of intensity [%], brightest first (`model.md`, section 1).
 BAND_EDGES = (75.0, 60.0, 45.0, 30.0, 15.0, 0.0)
@@ -41,6 +52,32 @@ class Band:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class FacetSizes:
+    """How many virtual facets a view has, and how large they are, in per cent of the view's area.
+
+    Attributes
+    ----------
+    number : int
+        Virtual facets; the light near the girdle has none.
+    near_girdle : float
+        Share of the view that comes near the girdle [%].
+    largest, median : float
+        Area of the largest one, and of the middle one by size [%].
+    half : int
+        So many of the largest ones make half of the view.
+    classes : tuple of (float, int, float)
+        Lower edge of a class of areas [%], number and total area [%] of those in it, largest first.
+    """
+
+    number: int
+    near_girdle: float
+    largest: float
+    median: float
+    half: int
+    classes: tuple[tuple[float, int, float], ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Score:
     """The scores of one stone, in per cent.
 
@@ -59,9 +96,9 @@ class Score:
     lost : float
         Share whose rays were lost to rounding [%].
     engine, variant : str
-        What traced it; the reference has no variant.
-    resolution : int
-        Pixels a side.
+        What traced it; only Mitsuba has a variant.
+    resolution : int or None
+        Pixels a side; an exact score has none.
     tilt_deg, tilt_azimuth_deg : float
         Tilt of the eye from the stone's axis, and the azimuth it is tilted to [deg].
     fresnel, rear_rule, intensity : str
@@ -70,6 +107,11 @@ class Score:
         Refractive index.
     seconds : float
         Time of the trace [s].
+    bound : float or None
+        Of an exact score: Average, Rear and every band are within this of the truth, each with a confidence
+        of 99.9 % [%].
+    facets : FacetSizes or None
+        Of an exact score: number and sizes of the virtual facets.
     """
 
     name: str
@@ -80,7 +122,7 @@ class Score:
     lost: float
     engine: str
     variant: str
-    resolution: int
+    resolution: int | None
     tilt_deg: float = 0.0
     tilt_azimuth_deg: float = 0.0
     fresnel: str
@@ -88,15 +130,30 @@ class Score:
     intensity: str
     index: float
     seconds: float
+    bound: float | None = None
+    facets: FacetSizes | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return the score as the command line's JSON has it."""
         values = asdict(self)
         values["bands"] = [{"from": b.low, "to": b.high, "share": b.share} for b in self.bands]
+        if self.facets is not None:
+            values["facets"]["classes"] = [
+                {"from": low, "number": number, "share": share} for low, number, share in self.facets.classes
+            ]
         return {key: values.pop(key) for key in _CONTRACT} | values
 
 
 def score_observation(observation: Observation) -> Score:
+    """Score an observation: exactly where its engine did, else by its pixels (`score_pixels`)."""
+    if observation.measured is None:
+        return score_pixels(observation)
+    return _exact_score(
+        observation.measured, observation.stone, observation.view, observation.model, observation.seconds
+    )
+
+
+def score_pixels(observation: Observation) -> Score:
     """Score the maps of an observation.
 
     All shares are of the pixels whose ray met the stone: equal cells of the top view.
@@ -121,32 +178,103 @@ def score_observation(observation: Observation) -> Score:
     def share(mask: np.ndarray) -> float:
         return 100.0 * float(np.count_nonzero(mask)) / area
 
-    uppers = (None, *BAND_EDGES[:-1])
-    bands = tuple(
-        Band(low=low, high=high, share=share(lit & (intensity >= low) & (intensity < (high or np.inf))))
-        for low, high in zip(BAND_EDGES, uppers, strict=True)
-    )
-    model, view = observation.model, observation.view
     return Score(
         name=observation.stone.name,
         average=float(intensity.sum(dtype=np.float64)) / area,
         rear=share(observation.rear_mask > 0),
-        bands=bands,
+        bands=_bands(
+            share(lit & (intensity >= low) & (intensity < (high or np.inf))) for low, high in _EDGES
+        ),
         trapped=share(observation.status == RayStatus.TRAPPED),
         lost=share(observation.status == RayStatus.LOST),
         engine=observation.engine,
         variant=observation.variant,
-        resolution=int(view.resolution),
-        tilt_deg=float(view.tilt_deg),
-        tilt_azimuth_deg=float(view.tilt_azimuth_deg),
-        fresnel=model.fresnel,
-        rear_rule=model.rear,
-        intensity=model.intensity,
-        index=model.index,
+        resolution=int(observation.view.resolution),
         seconds=observation.seconds,
+        **_what_was_asked(observation.view, observation.model),
     )
 
 
 def score(stone: Stone, *, engine: str = DEFAULT_ENGINE, **options: Any) -> Score:
     """Trace a stone and score it; options and errors as for `observe`."""
-    return score_observation(observe(stone, engine=engine, **options))
+    if engine_for(engine, stone) != "exact":
+        return score_observation(observe(stone, engine=engine, **options))
+    # Without maps, which cost more than the score.
+    require_engine(
+        "exact",
+        options.get("variant", DEFAULT_VARIANT),
+        stones=[stone],
+        bound=options.get("bound", DEFAULT_BOUND),
+    )
+    from gemrender.beam import measure
+    from gemrender.observation import Model, View
+
+    model = Model.of(
+        stone, **{key: options[key] for key in ("fresnel", "rear", "intensity") if key in options}
+    )
+    view = View.of(
+        stone,
+        options.get("resolution", DEFAULT_RESOLUTION),
+        **{key: options[key] for key in ("tilt_deg", "tilt_azimuth_deg") if key in options},
+    )
+    known = {key: options[key] for key in ("bound", "seed", "progress") if key in options}
+    measured = measure(stone, view=view, model=model, **known)
+    return _exact_score(measured, stone, view, model, measured.seconds)
+
+
+_EDGES = tuple(zip(BAND_EDGES, (None, *BAND_EDGES[:-1]), strict=True))
+#: Lower edges of the classes of virtual facets by size [% of the view].
+_SIZE_CLASSES = (1.0, 0.1, 0.01, 0.001, 0.0)
+
+
+def _bands(shares: Iterable[float]) -> tuple[Band, ...]:
+    return tuple(
+        Band(low=low, high=high, share=share) for (low, high), share in zip(_EDGES, shares, strict=True)
+    )
+
+
+def _what_was_asked(view: View, model: Model) -> dict[str, Any]:
+    return {
+        "tilt_deg": float(view.tilt_deg),
+        "tilt_azimuth_deg": float(view.tilt_azimuth_deg),
+        "fresnel": model.fresnel,
+        "rear_rule": model.rear,
+        "intensity": model.intensity,
+        "index": model.index,
+    }
+
+
+def _exact_score(measured: Measurement, stone: Stone, view: View, model: Model, seconds: float) -> Score:
+    return Score(
+        name=stone.name,
+        average=measured.average,
+        rear=measured.rear,
+        bands=_bands(float(share) for share in measured.bands),
+        trapped=measured.trapped,
+        lost=measured.lost,
+        engine="exact",
+        variant="",
+        resolution=None,
+        seconds=seconds,
+        bound=measured.bound,
+        facets=_facet_sizes(measured),
+        **_what_was_asked(view, model),
+    )
+
+
+def _facet_sizes(measured: Measurement) -> FacetSizes:
+    import numpy as np
+
+    sizes = np.sort(measured.sizes)[::-1]
+    classes = []
+    for low, high in zip(_SIZE_CLASSES, (np.inf, *_SIZE_CLASSES[:-1]), strict=True):
+        within = sizes[(sizes >= low) & (sizes < high)]
+        classes.append((low, len(within), float(within.sum())))
+    return FacetSizes(
+        number=len(sizes),
+        near_girdle=float(measured.girdle),
+        largest=float(sizes[0]) if len(sizes) else 0.0,
+        median=float(np.median(sizes)) if len(sizes) else 0.0,
+        half=min(int(np.searchsorted(np.cumsum(sizes), 50.0)) + 1, len(sizes)),
+        classes=tuple(classes),
+    )

@@ -7,7 +7,9 @@ from typing import Annotated
 import typer
 
 from gemrender.cli.options import (
+    BOUND,
     RESOLUTION,
+    Bound,
     Engine,
     Fresnel,
     Intensity,
@@ -18,6 +20,7 @@ from gemrender.cli.options import (
     TiltAzimuth,
     Variant,
     load,
+    prepare_engine,
     trace_options,
 )
 from gemrender.cli.output import progress_bar, say, stdout
@@ -44,29 +47,32 @@ def compare(
     intensity: Intensity = "primary",
     tilt: Tilt = "0",
     tilt_azimuth: TiltAzimuth = "0",
+    bound: Bound = BOUND,
 ) -> None:
     """Compare stones: a table, the maps side by side, the bands; of two stones their difference too."""
-    from gemrender.engines import observe, require_engine
+    from gemrender.engines import observe
     from gemrender.report.comparison import FORMATS, format_scores, panel, write_comparison
     from gemrender.report.files import prepare_folder
-    from gemrender.score import score_observation
+    from gemrender.score import score, score_observation
 
     if form not in FORMATS:
         raise InputError(f"must be one of {', '.join(FORMATS)}", key="format", value=form)
-    options = trace_options(resolution, fresnel, rear, intensity, tilt, tilt_azimuth)
+    options = trace_options(resolution, fresnel, rear, intensity, tilt, tilt_azimuth, bound)
     loaded = load(stones, options)
-    require_engine(engine, variant)
+    prepare_engine(engine, variant, loaded, options["bound"])
     folder = None if out is None else prepare_folder(out)
     scores, panels, pair = [], [], []
     with progress_bar(len(loaded)) as step:
         for i, stone in enumerate(loaded):
-            progress = step(i, stone.name)
-            observation = observe(stone, engine=engine, variant=variant, progress=progress, **options)
+            traced = {"engine": engine, "variant": variant, "progress": step(i, stone.name), **options}
+            if folder is None:
+                scores.append(score(stone, **traced))
+                continue
+            observation = observe(stone, **traced)
             scores.append(score_observation(observation))
-            if folder is not None:
-                panels.append(panel(observation))
-                if len(loaded) == 2:
-                    pair.append(observation)
+            panels.append(panel(observation))
+            if len(loaded) == 2:
+                pair.append(observation)
             del observation
     if form == "table":
         from gemrender.report.tables import print_scores

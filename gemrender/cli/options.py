@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from gemrender.cli.output import progress_bar
-from gemrender.engines import DEFAULT_RESOLUTION, ENGINES
+from gemrender.cli.output import patience, progress_bar
+from gemrender.engines import DEFAULT_BOUND, DEFAULT_RESOLUTION, ENGINES
 from gemrender.errors import InputError
 
 if TYPE_CHECKING:
@@ -21,7 +21,12 @@ if TYPE_CHECKING:
 _STONES_HELP = "Stone files, or names of bundled stones (see: gemrender stones)."
 Stones = Annotated[list[str], typer.Argument(metavar="STONE", help=_STONES_HELP)]
 AnyStones = Annotated[list[str] | None, typer.Argument(metavar="STONE", help=_STONES_HELP)]
-Engine = Annotated[str, typer.Option(metavar="|".join(ENGINES), help="Tracer.")]
+Engine = Annotated[
+    str,
+    typer.Option(
+        metavar="|".join(ENGINES), help="Tracer; auto is exact for convex stones, mitsuba for others."
+    ),
+]
 Variant = Annotated[str, typer.Option(metavar="NAME", help="Mitsuba variant.")]
 Resolution = Annotated[str, typer.Option(metavar="PIXELS", help="Pixels a side of the map.")]
 Fresnel = Annotated[
@@ -51,7 +56,11 @@ Out = Annotated[
     str | None, typer.Option(metavar="FOLDER", help="Where to write each stone's maps, as EXR and PNG.")
 ]
 
-RESOLUTION = str(DEFAULT_RESOLUTION)
+Bound = Annotated[
+    str, typer.Option(metavar="PERCENT", help="Error bound of exact scores, in per cent of the light.")
+]
+
+RESOLUTION, BOUND = str(DEFAULT_RESOLUTION), str(DEFAULT_BOUND)
 
 #: How the command line calls what errors call by the names of Python's arguments.
 ARGUMENTS = {
@@ -60,14 +69,20 @@ ARGUMENTS = {
         key: f"--{key.replace('_', '-')}"
         for key in (
             "engine", "variant", "resolution", "fresnel", "rear", "intensity", "tilt", "tilt_azimuth",
-            "random", "seed", "out", "draws", "jitter", "what", "at", "azimuth", "rays", "format",
+            "random", "seed", "out", "draws", "bound", "jitter", "what", "at", "azimuth", "rays", "format",
         )
     },
 }  # fmt: skip
 
 
 def trace_options(
-    resolution: str, fresnel: str | None, rear: str, intensity: str, tilt: str, tilt_azimuth: str
+    resolution: str,
+    fresnel: str | None,
+    rear: str,
+    intensity: str,
+    tilt: str,
+    tilt_azimuth: str,
+    bound: str = BOUND,
 ) -> dict[str, Any]:
     """Name the options of model and view as `observe` does."""
     return {
@@ -77,7 +92,16 @@ def trace_options(
         "intensity": intensity,
         "tilt_deg": number("tilt", tilt),
         "tilt_azimuth_deg": number("tilt_azimuth", tilt_azimuth),
+        "bound": number("bound", bound, "per cent"),
     }
+
+
+def prepare_engine(engine: str, variant: str, stones: Iterable[Stone], bound: float = DEFAULT_BOUND) -> None:
+    """Check that the engine can trace the stones, before any work begins; say so if that takes a while."""
+    from gemrender.engines import require_engine
+
+    with patience("the exact engine is compiled for this machine, once: about ten seconds"):
+        require_engine(engine, variant, stones=stones, bound=bound)
 
 
 def whole(key: str, text: str, hint: str = "") -> int:

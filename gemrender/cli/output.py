@@ -13,7 +13,7 @@ import typer
 if TYPE_CHECKING:
     from rich.console import Console
 
-__all__ = ["print_json", "progress_bar", "say", "stdout"]
+__all__ = ["patience", "print_json", "progress_bar", "say", "stdout"]
 
 #: Progress is shown of work that takes longer [s].
 _PATIENCE = 1.0
@@ -53,6 +53,23 @@ def progress_bar(total: int) -> Iterator[Callable[[int, str], Callable[[float], 
     finally:
         if bar.live.is_started:
             bar.stop()
+
+
+@contextmanager
+def patience(message: str) -> Iterator[None]:
+    """Say something to who sits before a terminal and has waited for a second and more."""
+    import threading
+
+    if sys.stderr is None or not sys.stderr.isatty():
+        yield
+        return
+    timer = threading.Timer(1.5 * _PATIENCE, say, [message])
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
 
 
 def stdout() -> Console:

@@ -18,6 +18,7 @@ from gemrender.cli.options import (
     TiltAzimuth,
     Variant,
     load,
+    prepare_engine,
     trace_options,
 )
 from gemrender.cli.output import progress_bar, say
@@ -41,14 +42,14 @@ def report(
     tilt_azimuth: TiltAzimuth = "0",
 ) -> None:
     """Write a page for the browser: the stones in 3D, their maps, and the ray behind every point."""
-    from gemrender.engines import observe, require_engine
+    from gemrender.engines import observe
     from gemrender.report.page import check_number, check_target, write_report
 
     check_number(len(stones))
     options = trace_options(resolution, fresnel, rear, intensity, tilt, tilt_azimuth)
     loaded = load(stones, options)
     check_target(out)
-    require_engine(engine, variant)
+    prepare_engine(engine, variant, loaded)
     with progress_bar(len(loaded)) as step:
         # One after the other: the page keeps less of each than its maps.
         traced = (

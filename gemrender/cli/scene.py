@@ -38,13 +38,13 @@ def scene(
     tilt_azimuth: TiltAzimuth = "0",
 ) -> None:
     """Write the scored scene of each stone as Mitsuba XML, its mesh beside it."""
-    from gemrender.engines import require_engine
+    from gemrender.render.backend import ensure_variant
     from gemrender.report.files import file_stems, prepare_folder
     from gemrender.scene.xml import write_scene
 
     options = trace_options(resolution, fresnel, rear, intensity, tilt, tilt_azimuth)
     loaded = load(stones, options)
-    require_engine("mitsuba", variant)
+    ensure_variant(variant)
     folder = prepare_folder(out)
     for stone, stem in zip(loaded, file_stems(stones), strict=True):
         say(f"written: {write_scene(folder, stem, stone, *view_and_model(stone, options))}")

@@ -19,6 +19,7 @@ from gemrender.cli.options import (
     Variant,
     load,
     number,
+    prepare_engine,
     trace_options,
     view_and_model,
     whole,
@@ -74,7 +75,6 @@ def show(
     if form not in _FORMATS:
         raise InputError(f"must be one of {', '.join(_FORMATS)}", key="format", value=form)
 
-    from gemrender.engines import require_engine
     from gemrender.report.displays import write_display
     from gemrender.report.displays.rays import check_fan, check_points
     from gemrender.report.files import file_stems, prepare_folder
@@ -85,7 +85,7 @@ def show(
             check_points(stone, points, view_and_model(stone, options)[1])
     check_fan(in_fan)
     if "map" in shown:
-        require_engine(engine, variant)
+        prepare_engine(engine, variant, loaded)
     folder = prepare_folder(out)
     with progress_bar(len(loaded) * len(shown)) as step:
         for i, (stone, stem) in enumerate(zip(loaded, file_stems(stones), strict=True)):

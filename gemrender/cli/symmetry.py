@@ -17,6 +17,7 @@ from gemrender.cli.options import (
     Variant,
     load,
     number,
+    prepare_engine,
     trace_options,
     whole,
 )
@@ -57,7 +58,6 @@ def symmetry(
     ] = None,
 ) -> None:
     """Study what poor symmetry does to the scores: facets tilted at random, many times."""
-    from gemrender.engines import require_engine
     from gemrender.report.files import file_stems, prepare_folder
     from gemrender.sweep import check_study, study_symmetry
 
@@ -70,7 +70,7 @@ def symmetry(
         "seed": whole("seed", seed),
     }
     check_study(loaded, **study)
-    require_engine(engine, variant)
+    prepare_engine(engine, variant, loaded)
     folder = None if out is None else prepare_folder(out)
     stems = file_stems(stones)
     del options["tilt_deg"], options["tilt_azimuth_deg"]

@@ -55,7 +55,7 @@ def observe(
 
     start = time.perf_counter()
     scene: Any = mi.load_dict(stone_scene(stone, view, model, rows=_rows_of_pass(view)))
-    maps = {
+    maps: dict[str, Any] = {
         name: np.empty((*view.shape, 3) if len(channels) == 3 else view.shape, dtype=MAP_TYPES[name])
         for name, channels in MAP_CHANNELS.items()
     }

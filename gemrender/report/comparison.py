@@ -17,7 +17,7 @@ from gemrender.errors import InputError
 from gemrender.observation import Observation, RayStatus
 from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR, map_picture
 from gemrender.report.lettering import name_fonts, save_png
-from gemrender.report.tables import band_name, model_text
+from gemrender.report.tables import LEAST_SHOWN, band_name, how_text, model_text
 from gemrender.score import Score, score_observation
 from gemrender.writing import write_whole
 
@@ -77,7 +77,7 @@ def format_scores(scores: Sequence[Score], form: str) -> str:
             f"{s.average:.2f}",
             f"{s.rear:.2f}",
             *(f"{b.share:.2f}" for b in s.bands),
-            f"{s.trapped:.3g}",
+            f"{s.trapped:.3g}" if s.trapped >= LEAST_SHOWN else "0",
         ]
         for s in scores
     ]
@@ -191,7 +191,8 @@ def _draw_bars(
     )
     models = {model_text(s) for s in scores}
     rules = models.pop() if len(models) == 1 else "by the rules of each stone's material"
-    text = f"{scores[0].resolution} × {scores[0].resolution} rays, {rules}"
+    ways = {how_text(s) if s.bound is None else s.engine for s in scores}
+    text = f"{ways.pop() if len(ways) == 1 else 'by several engines'}, {rules}"
     figure.text(0.14 / width, 0.1 / height, text, fontsize=8.5, color=_GREY)
 
 

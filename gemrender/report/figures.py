@@ -12,7 +12,7 @@ import numpy as np
 import gemrender
 from gemrender.observation import Observation, RayStatus
 from gemrender.report.lettering import boxes_for_letters, name_fonts, save_png
-from gemrender.report.tables import band_name, model_text
+from gemrender.report.tables import LEAST_SHOWN, band_name, how_text, model_text
 from gemrender.score import BAND_EDGES, Score, score_observation
 
 if TYPE_CHECKING:
@@ -115,8 +115,8 @@ def _draw_panel(axes: Axes, result: Score) -> None:
     ]
     rows.append((REAR_COLOUR, "Rear", result.rear))
     unsolved = {"Trapped": result.trapped, "Lost": result.lost}
-    if any(unsolved.values()):
-        name = " + ".join(name for name, share in unsolved.items() if share)
+    if any(share >= LEAST_SHOWN for share in unsolved.values()):
+        name = " + ".join(name for name, share in unsolved.items() if share >= LEAST_SHOWN)
         rows.append((UNSOLVED_COLOUR, name, sum(unsolved.values())))
 
     # One unit down is one row; across, 0 to 1.
@@ -140,12 +140,11 @@ def _draw_panel(axes: Axes, result: Score) -> None:
 
 def _rules(result: Score) -> str:
     """Say how the map was made, in short lines."""
-    engine = f"{result.engine} ({result.variant})" if result.variant else result.engine
     lines = [model_text(result).replace("(index ", "(index\u00a0")]  # not to be torn apart
     if result.tilt_deg:
         lines.append(f"eye tilted by {result.tilt_deg:g}° towards azimuth {result.tilt_azimuth_deg:g}°")
     lines += [
-        f"{result.resolution} × {result.resolution} rays, {engine}",
+        how_text(result),
         f"gemrender {gemrender.__version__}",
     ]
     return "\n".join(part for line in lines for part in textwrap.wrap(line, 47))

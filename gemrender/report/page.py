@@ -29,7 +29,7 @@ from gemrender.optics.fresnel import GUBELIN_ANGLES_DEG, GUBELIN_REFLECTED, crit
 from gemrender.report.dimensions import dimensions
 from gemrender.report.displays.ray_colours import RAY_COLOURS
 from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR
-from gemrender.report.tables import band_name, model_text
+from gemrender.report.tables import band_name, how_text, model_text
 from gemrender.score import score_observation
 from gemrender.stone import Stone, tessellate
 from gemrender.stone.topology import (
@@ -251,10 +251,9 @@ def _shown(stone: Stone) -> dict[str, Any]:
 def _scored(observation: Observation) -> dict[str, Any]:
     """Return the map and what it scores."""
     result = score_observation(observation)
-    engine = "Mitsuba" if result.engine == "mitsuba" else result.engine
-    view = f"{result.resolution} × {result.resolution} rays"
+    how = how_text(result)
     if result.tilt_deg:
-        view += f", the eye tilted by {result.tilt_deg:g}° towards azimuth {result.tilt_azimuth_deg:g}°"
+        how += f", the eye tilted by {result.tilt_deg:g}° towards azimuth {result.tilt_azimuth_deg:g}°"
     return {
         "map": _map(observation),
         "score": {
@@ -269,7 +268,7 @@ def _scored(observation: Observation) -> dict[str, Any]:
         "material": observation.stone.material if isinstance(observation.stone.material, str) else None,
         "criticalAngle": critical_angle_deg(result.index),
         "modelText": model_text(result),
-        "engineText": f"{view}, {engine}" + (f" ({result.variant})" if result.variant else ""),
+        "engineText": how,
     }
 
 

@@ -46,7 +46,8 @@ def print_studies(studies: Sequence[SymmetryStudy], console: Console) -> None:
 
 def rule_text(study: SymmetryStudy) -> str:
     """Say in words how the draws were made."""
-    draws = f"{len(study.average)} draws, seed {study.seed}, {study.resolution} x {study.resolution} rays"
+    how = f"{study.resolution} x {study.resolution} rays" if study.resolution else "exact scores"
+    draws = f"{len(study.average)} draws, seed {study.seed}, {how}"
     if study.jitter:
         return f"Vertices jittered by {study.jitter:g} girdle radii (standard deviation), {draws}"
     return f"Facets tilted by {study.tilt_deg:g} deg (standard deviation), {draws}"

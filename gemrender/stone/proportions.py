@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass, fields
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from gemrender.stone.topology import (
     TABLE_CORNER,
 )
 
-__all__ = ["ANGLE_RANGES", "RANGES", "RoundBrilliant", "smallest_star"]
+__all__ = ["ANGLE_RANGES", "RANGES", "RoundBrilliant", "brilliant_vertices", "smallest_star"]
 
 #: Allowed range of each proportion [%]. They keep a margin to the degenerate stones (no table, no crown,
 #: no pavilion, contact on the axis or beyond the girdle), where single precision cannot tell facets apart.
@@ -165,26 +166,43 @@ class RoundBrilliant:
             x, y, z [girdle radius], in the order of `topology.VERTEX_LABELS`; z = 0 at the girdle's
             lower edge, table up, the first table corner at azimuth 0.
         """
-        r_table = self.table / 100
-        crown, pavilion, girdle = (
-            2 * height / 100 for height in (self.crown_height, self.pavilion_depth, self.girdle_thickness)
-        )
-        edge = r_table * _COS
-        r_star = edge + self.star / 100 * (1 - edge)
-        r_contact = self.lower_girdle_contact / 100
-        z_star = girdle + crown * (1 - r_star * _COS) / (1 - r_table)
-        z_contact = -pavilion * (1 - r_contact * _COS)
+        return brilliant_vertices(**asdict(self))
 
-        step = np.pi / 8
-        even, odd, every = 2 * step * np.arange(8), step * (2 * np.arange(8) + 1), step * np.arange(16)
-        out = np.empty((N_VERTICES, 3))
-        out[TABLE_CORNER] = _ring(even, r_table, girdle + crown)
-        out[STAR_TIP] = _ring(odd, r_star, z_star)
-        out[GIRDLE_UPPER] = _ring(every, 1.0, girdle)
-        out[GIRDLE_LOWER] = _ring(every, 1.0, 0.0)
-        out[CONTACT] = _ring(odd, r_contact, z_contact)
-        out[CULET] = (0.0, 0.0, -pavilion)
-        return out
+
+def brilliant_vertices(
+    *,
+    table: Any,
+    star: Any,
+    lower_girdle_contact: Any,
+    crown_height: Any,
+    pavilion_depth: Any,
+    girdle_thickness: Any,
+) -> np.ndarray:
+    """Return the vertices of a brilliant, (57, 3), in the paper's frame, from its proportions [%].
+
+    Nothing is checked. Complex numbers give complex vertices: analytic functions, for derivatives by the
+    complex step.
+    """
+    r_table = table / 100
+    crown, pavilion, girdle = (
+        2 * height / 100 for height in (crown_height, pavilion_depth, girdle_thickness)
+    )
+    edge = r_table * _COS
+    r_star = edge + star / 100 * (1 - edge)
+    r_contact = lower_girdle_contact / 100
+    z_star = girdle + crown * (1 - r_star * _COS) / (1 - r_table)
+    z_contact = -pavilion * (1 - r_contact * _COS)
+
+    step = np.pi / 8
+    even, odd, every = 2 * step * np.arange(8), step * (2 * np.arange(8) + 1), step * np.arange(16)
+    out = np.empty((N_VERTICES, 3), dtype=np.result_type(z_star, z_contact, float))
+    out[TABLE_CORNER] = _ring(even, r_table, girdle + crown)
+    out[STAR_TIP] = _ring(odd, r_star, z_star)
+    out[GIRDLE_UPPER] = _ring(every, 1.0, girdle)
+    out[GIRDLE_LOWER] = _ring(every, 1.0, 0.0)
+    out[CONTACT] = _ring(odd, r_contact, z_contact)
+    out[CULET] = (0.0, 0.0, -pavilion)
+    return out
 
 
 def smallest_star(table: float) -> float:
@@ -199,8 +217,8 @@ def smallest_star(table: float) -> float:
     return 100 * (r_star - edge) / (1 - edge)
 
 
-def _ring(azimuth: np.ndarray, radius: float, z: float) -> np.ndarray:
-    return np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), np.full_like(azimuth, z)], axis=-1)
+def _ring(azimuth: np.ndarray, radius: Any, z: Any) -> np.ndarray:
+    return np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), np.full(azimuth.shape, z)], axis=-1)
 
 
 def _number(key: str, value: object, low: float, high: float, unit: str = "%") -> float:

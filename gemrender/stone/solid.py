@@ -21,7 +21,7 @@ from gemrender.stone.topology import (
     TRIANGLES,
 )
 
-__all__ = ["Stone"]
+__all__ = ["Stone", "facet_planes"]
 
 #: Largest distance of a vertex from its facet's plane that counts as flat [girdle radius]: rounding.
 FLAT_TOLERANCE = 1e-12
@@ -223,19 +223,37 @@ class Stone:
         return TRIANGLE_FACET
 
 
+def facet_planes(vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the outward unit normals (57, 3) and the offsets (57,) of the facets of 57 vertices (57, 3).
+
+    Of a facet that is not flat, the mean over its area. Complex vertices give complex planes: analytic
+    functions, for derivatives by the complex step.
+    """
+    # The normal of the facet's projected area: the sum over its triangles.
+    total = np.zeros((len(FACET_POLYGONS), 3), dtype=vertices.dtype)
+    np.add.at(total, TRIANGLE_FACET, _crosses(vertices))
+    normals = total / _lengths(total)
+    offsets = [n @ vertices[list(p)].mean(axis=0) for n, p in zip(normals, FACET_POLYGONS, strict=True)]
+    return normals, np.array(offsets)
+
+
+def _crosses(vertices: np.ndarray) -> np.ndarray:
+    """Twice the area of each triangle, along its outward normal, (78, 3)."""
+    a, b, c = vertices[TRIANGLES].transpose(1, 0, 2)
+    return np.cross(b - a, c - a)
+
+
+def _lengths(vectors: np.ndarray) -> np.ndarray:
+    """Lengths of vectors (n, 3), (n, 1); analytic, unlike a norm."""
+    return np.asarray(np.sqrt((vectors * vectors).sum(axis=1, keepdims=True)))
+
+
 def _planes(v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Planes of the 57 facets and of the 78 triangles."""
-    corners = v[TRIANGLES]
-    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    triangle_normals = cross / np.linalg.norm(cross, axis=1, keepdims=True)
-    triangle_offsets = np.einsum("ij,ij->i", triangle_normals, corners.mean(axis=1))
-
-    # Area-weighted mean over the facet's triangles: the normal of its projected area.
-    total = np.zeros((len(FACET_POLYGONS), 3))
-    np.add.at(total, TRIANGLE_FACET, cross)
-    normals = total / np.linalg.norm(total, axis=1, keepdims=True)
-    offsets = np.array([n @ v[list(p)].mean(axis=0) for n, p in zip(normals, FACET_POLYGONS, strict=True)])
-
+    cross = _crosses(v)
+    triangle_normals = cross / _lengths(cross)
+    triangle_offsets = np.einsum("ij,ij->i", triangle_normals, v[TRIANGLES].mean(axis=1))
+    normals, offsets = facet_planes(v)
     for facet, polygon in enumerate(FACET_POLYGONS):
         if np.abs(v[list(polygon)] @ normals[facet] - offsets[facet]).max() <= FLAT_TOLERANCE:
             of_facet = facet == TRIANGLE_FACET

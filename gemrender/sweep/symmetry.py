@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from gemrender.engines import DEFAULT_ENGINE, DEFAULT_VARIANT, engine_for, require_engine
 from gemrender.errors import InputError
 from gemrender.stone import Stone, tessellate
 
@@ -42,8 +43,10 @@ class SymmetryStudy:
         The stone's name.
     tilt_deg, jitter : float
         Standard deviation of the facets' tilts [deg], or of the vertices' coordinates [girdle radius].
-    seed, resolution : int
-        Seed of the draws, and pixels a side.
+    seed : int
+        Seed of the draws.
+    resolution : int or None
+        Pixels a side; exact scores have none.
     average, rear : tuple of float
         Average and Rear of each draw [%].
     perfect : (float, float)
@@ -54,7 +57,7 @@ class SymmetryStudy:
     tilt_deg: float
     jitter: float
     seed: int
-    resolution: int
+    resolution: int | None
     average: tuple[float, ...]
     rear: tuple[float, ...]
     perfect: tuple[float, float]
@@ -144,6 +147,7 @@ def study_symmetry(
     """
     check_study([stone], tilt_deg=tilt_deg, jitter=jitter, draws=draws, seed=seed)
     options = {"resolution": 256, **(options or {})}
+    is_exact = engine_for(options.get("engine", DEFAULT_ENGINE), stone) == "exact"
     head = {
         "stone": stone.name,
         "vertices": stone.vertices.tolist(),
@@ -168,7 +172,7 @@ def study_symmetry(
         tilt_deg=0.0 if jitter else tilt_deg,
         jitter=jitter,
         seed=seed,
-        resolution=options["resolution"],
+        resolution=None if is_exact else options["resolution"],
         average=tuple(known[number][0] for number in range(draws)),
         rear=tuple(known[number][1] for number in range(draws)),
         perfect=known[-1],
@@ -263,17 +267,16 @@ def _score_batch(
     numbers: list[int],
     threads: int | None,
 ) -> list[tuple[int, tuple[float, float]]]:
-    from gemrender.engines import observe, require_engine
-    from gemrender.score import score_observation
+    from gemrender.score import score
 
-    if threads is not None and options.get("engine", "mitsuba") == "mitsuba":
-        require_engine("mitsuba", options.get("variant", "llvm_ad_mono"))
+    if threads is not None and engine_for(options.get("engine", DEFAULT_ENGINE), stone) == "mitsuba":
+        require_engine("mitsuba", options.get("variant", DEFAULT_VARIANT))
         import drjit as dr
 
         dr.set_thread_count(threads)
     out = []
     for number in numbers:
         drawn = stone if number < 0 else draw_stone(stone, tilt_deg, jitter, seed, number)
-        result = score_observation(observe(drawn, **options))
+        result = score(drawn, **options)
         out.append((number, (result.average, result.rear)))
     return out

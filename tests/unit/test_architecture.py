@@ -21,7 +21,7 @@ LAYERS: list[dict[str, set[str]]] = [
     {"stone": {"numpy"}, "optics": {"numpy"}},
     {"observation": {"numpy"}},
     {"reference": {"numpy"}},
-    {"beam": {"numpy"}},
+    {"beam": {"numpy", "numba"}},
     {"scene": {"numpy", "mitsuba"}},
     {"plugins": {"numpy", "mitsuba", "drjit"}},
     {"render": {"numpy", "mitsuba", "drjit", "colour", "OpenEXR"}},

@@ -1,0 +1,82 @@
+"""What the compiled kernels are made with: the decorator, and arithmetic that carries derivatives.
+
+The polygons' kernel is written once and compiled twice, for float64 and for complex128. In the latter each
+number's imaginary part is `STEP` times its derivative by a parameter: the complex step (Squire & Trapp, SIAM
+Review 40, 110 (1998)), exact to rounding because nothing is subtracted. Decisions look at real parts only.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numba
+from numba.core import types
+from numba.extending import overload
+
+__all__ = ["STEP", "angle_deg", "jit", "real", "root"]
+
+#: Imaginary part that stands for a derivative of 1: its square is nothing beside any real part.
+STEP = 1e-30
+
+
+def jit(function: Callable[..., Any]) -> Any:
+    """Compile a function when it is first called, and keep the result on disk where that can be written."""
+    options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
+    try:
+        return numba.njit(cache=True, **options)(function)
+    except RuntimeError:  # numba finds no folder for its cache
+        return numba.njit(**options)(function)
+
+
+def real(x: Any) -> Any:
+    """Return the value without its derivative."""
+    return x.real
+
+
+@overload(real)
+def _real(x: Any) -> Any:
+    def dual(x: Any) -> Any:
+        return x.real
+
+    def plain(x: Any) -> Any:
+        return x
+
+    return dual if isinstance(x, types.Complex) else plain
+
+
+def root(x: Any) -> Any:
+    """Return the square root of a positive number."""
+    return cmath.sqrt(x)
+
+
+@overload(root)
+def _root(x: Any) -> Any:
+    def dual(x: Any) -> Any:
+        value = math.sqrt(x.real)
+        return complex(value, 0.5 * x.imag / value if value > 0.0 else 0.0)
+
+    def plain(x: Any) -> Any:
+        return math.sqrt(x)
+
+    return dual if isinstance(x, types.Complex) else plain
+
+
+def angle_deg(cos: Any) -> Any:
+    """Return the angle of a cosine from 0 to 1 [deg]."""
+    return cmath.acos(cos) * (180.0 / math.pi)
+
+
+@overload(angle_deg)
+def _angle_deg(cos: Any) -> Any:
+    def dual(cos: Any) -> Any:
+        value = min(max(cos.real, 0.0), 1.0)
+        sin = math.sqrt(1.0 - value * value)
+        return complex(math.degrees(math.acos(value)), math.degrees(-cos.imag / sin) if sin > 0.0 else 0.0)
+
+    def plain(cos: Any) -> Any:
+        return math.degrees(math.acos(min(max(cos, 0.0), 1.0)))
+
+    return dual if isinstance(cos, types.Complex) else plain

@@ -1,0 +1,198 @@
+"""Maps of a view: virtual facets drawn into pixels, and single rays where there are none."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from gemrender.beam.compiled import jit
+from gemrender.beam.facets import FacetStatus, VirtualFacets, kernel_rules, trace_facets
+from gemrender.beam.measure import measure
+from gemrender.beam.rays import trace_rays
+from gemrender.beam.solid import BeamStone, beam_stone
+from gemrender.observation import (
+    LIGHT_LEVEL,
+    MAP_TYPES,
+    PATH_CODE_FACTOR,
+    PATH_CODE_MASK,
+    Model,
+    Observation,
+    RayStatus,
+    View,
+)
+from gemrender.stone import Stone
+
+__all__ = ["observe", "pixel_facets"]
+
+#: Points this far outside an edge still count as inside [girdle radius]: none is lost between two facets.
+_EDGE_TOLERANCE = 1e-12
+
+
+def observe(
+    stone: Stone | BeamStone,
+    view: View,
+    model: Model | None = None,
+    *,
+    bound: float = 0.05,
+    seed: int = 1,
+    rays: tuple[np.ndarray, np.ndarray] | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Observation:
+    """Tell of the ray through the centre of every pixel what becomes of it, and score the view exactly.
+
+    Parameters
+    ----------
+    stone : Stone or BeamStone
+        The stone.
+    view : View
+        The map.
+    model : Model, optional
+        The optical model; by default that of the stone's material.
+    bound, seed
+        Of the scores, as for `measure`.
+    rays : tuple of two (h, w, 3) float64 arrays, optional
+        Starts [girdle radius] and directions of the rays, which must be the view's own but for rounding, for
+        comparing with another tracer.
+    progress : callable, optional
+        Called with the share done, 0 to 1.
+
+    Raises
+    ------
+    InputError
+        The stone is not convex, or the bound out of range.
+    """
+    start = time.perf_counter()
+    ready = stone if isinstance(stone, BeamStone) else beam_stone(stone)
+    measured = measure(ready, view=view, model=model, bound=bound, seed=seed, progress=progress)
+    facets = trace_facets(ready, view=view, model=model)
+    right, up, _ = view.basis()
+    if rays is None:
+        x, y = view.cell_centres()
+        points = np.stack(np.broadcast_arrays(x, y[:, None]), axis=-1)
+    else:
+        points = np.stack([rays[0] @ right, rays[0] @ up], axis=-1)
+    points = points.reshape(-1, 2)
+    owner = pixel_facets(facets, points, view)
+    maps = _empty_maps(len(points))
+    _fill_from_facets(maps, facets, owner, points)
+    alone = np.flatnonzero(owner < 0)
+    _fill_from_rays(maps, ready, facets, alone, points[alone])
+    return Observation(
+        **{name: array.reshape(*view.shape, *array.shape[1:]) for name, array in maps.items()},
+        stone=ready.stone,
+        view=view,
+        model=facets.model,
+        engine="exact",
+        seconds=time.perf_counter() - start,
+        measured=measured,
+    )
+
+
+def pixel_facets(facets: VirtualFacets, points: np.ndarray, view: View) -> np.ndarray:
+    """Return the virtual facet that each pixel's point (n, 2) lies in, (n,), or -1 if in none."""
+    shown = np.flatnonzero(facets.status != FacetStatus.GIRDLE)
+    owner = np.full(len(points), -1, dtype=np.int64)
+    _draw(
+        facets.corners, facets.starts[shown], facets.ends[shown], shown, points, view.resolution,
+        view.half_width, owner,
+    )  # fmt: skip
+    return owner
+
+
+@jit
+def _draw(
+    corners: Any, starts: Any, ends: Any, names: Any, points: Any, resolution: int, half_width: float,
+    owner: Any,
+) -> None:  # fmt: skip
+    """Give every point within a convex polygon the polygon's name; on an edge the first one has it."""
+    step = 2.0 * half_width / resolution
+    for f in range(len(starts)):
+        polygon = corners[starts[f] : ends[f]]
+        n = len(polygon)
+        # A pixel more on every side, for points that are not quite at the centres.
+        left = max(int((polygon[:, 0].min() + half_width) / step) - 1, 0)
+        right = min(int((polygon[:, 0].max() + half_width) / step) + 1, resolution - 1)
+        top = max(int((half_width - polygon[:, 1].max()) / step) - 1, 0)
+        bottom = min(int((half_width - polygon[:, 1].min()) / step) + 1, resolution - 1)
+        for row in range(top, bottom + 1):
+            for column in range(left, right + 1):
+                pixel = row * resolution + column
+                if owner[pixel] >= 0:
+                    continue
+                x, y = points[pixel, 0], points[pixel, 1]
+                inside = True
+                for k in range(n):
+                    a, b = polygon[k], polygon[k + 1 if k + 1 < n else 0]
+                    ex, ey = b[0] - a[0], b[1] - a[1]
+                    across = ex * (y - a[1]) - ey * (x - a[0])
+                    if across < -_EDGE_TOLERANCE * np.sqrt(ex * ex + ey * ey):
+                        inside = False
+                        break
+                if inside:
+                    owner[pixel] = names[f]
+
+
+def _empty_maps(n: int) -> dict[str, Any]:
+    maps: dict[str, Any] = {
+        name: np.zeros((n, 3) if name in ("exit_point", "exit_direction") else n, dtype=kind)
+        for name, kind in MAP_TYPES.items()
+    }
+    maps["entry_facet"][:] = maps["exit_facet"][:] = -1
+    return maps
+
+
+def _fill_from_facets(
+    maps: dict[str, Any], facets: VirtualFacets, owner: np.ndarray, points: np.ndarray
+) -> None:
+    pixel = np.flatnonzero(owner >= 0)
+    of, at = owner[pixel], points[pixel]
+    first = np.empty(len(facets.nodes), dtype=np.int64)
+    code = np.empty(len(facets.nodes), dtype=np.int64)
+    for node, (parent, facet) in enumerate(facets.nodes):  # parents come first
+        first[node] = facet if parent < 0 else first[parent]
+        before = 0 if parent < 0 else code[parent]
+        code[node] = (before * PATH_CODE_FACTOR + facet + 1) & PATH_CODE_MASK
+    left = facets.status == FacetStatus.EXITED
+    end = facets.node
+    values: dict[str, Any] = {
+        "primary_intensity": facets.primary_intensity[of],
+        "rear_mask": facets.rear_mask[of],
+        "coverage": 1.0,
+        "status": np.where(left, RayStatus.EXITED, RayStatus.TRAPPED)[of],
+        "reflections": facets.reflections[of],
+        "exit_point": np.where(
+            left[of, None],
+            facets.exit_map[of, 0] + at[:, :1] * facets.exit_map[of, 1] + at[:, 1:] * facets.exit_map[of, 2],
+            0.0,
+        ),
+        "exit_direction": np.where(left[of, None], facets.exit_direction[of], 0.0),
+        "entry_facet": first[end][of],
+        "exit_facet": np.where(left, facets.nodes[end, 1], -1)[of],
+        "path_code": code[end][of],
+    }
+    for name, value in values.items():
+        maps[name][pixel] = value
+
+
+def _fill_from_rays(
+    maps: dict[str, Any], ready: BeamStone, facets: VirtualFacets, pixel: np.ndarray, at: np.ndarray
+) -> None:
+    found, numbers = trace_rays(at, facets.view.basis(), ready.solid, ready.facet, kernel_rules(facets.model))
+    status, met = numbers[:, 0], numbers[:, 0] != RayStatus.MISSED
+    surfaces = np.append(ready.facet, -1)  # the last one for none
+    for name, value in {
+        "primary_intensity": LIGHT_LEVEL * found[:, 0],
+        "rear_mask": found[:, 1],
+        "coverage": met,
+        "status": status,
+        "reflections": numbers[:, 1],
+        "exit_point": found[:, 2:5],
+        "exit_direction": found[:, 5:8],
+        "entry_facet": surfaces[numbers[:, 2]],
+        "exit_facet": surfaces[numbers[:, 3]],
+        "path_code": numbers[:, 4],
+    }.items():
+        maps[name][pixel] = value

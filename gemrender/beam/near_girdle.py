@@ -1,0 +1,206 @@
+"""Light near the girdle: rays spread evenly over what of the view no polygon tells, in independent sets.
+
+Their places are an additive recurrence (Roberts' R2 sequence: multiples of the reciprocals of the plastic
+number and of its square), which can be gone on with, each set shifted at random (Cranley & Patterson 1976).
+So each set gives an unbiased score, and their scatter the error.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import Protocol
+
+import numpy as np
+
+from gemrender.beam.facets import FacetStatus, VirtualFacets, kernel_rules
+from gemrender.beam.rays import (
+    BAND_EDGES,
+    BANDS,
+    INTENSITY,
+    LOST,
+    MET,
+    N_SUMS,
+    REAR,
+    TRAPPED,
+    sum_rays,
+)
+from gemrender.beam.rim import rim_points
+from gemrender.beam.solid import BeamStone
+from gemrender.observation import RayStatus
+
+__all__ = ["CELLS", "RIM", "SETS", "STUDENT_T", "NearGirdle", "sums_by_status"]
+
+#: Independent sets of rays; Student's t for their mean with 7 degrees of freedom, two-sided, 99.9 %.
+SETS, STUDENT_T = 8, 5.408
+#: The two regions that rays are spread over.
+CELLS, RIM = 0, 1
+
+_PLASTIC = 1.3247179572447460
+_STEPS = np.array([1 / _PLASTIC, 1 / _PLASTIC**2])
+#: Rays of a set that are traced at a time, between two reports of progress.
+_BLOCK = 1 << 16
+#: Fewer rays than this are not worth a thread.
+_THREAD_RAYS = 20_000
+
+
+class NearGirdle:
+    """What rays find of the light that no polygon tells.
+
+    Parameters
+    ----------
+    ready : BeamStone
+        The stone.
+    facets : VirtualFacets
+        Its polygons.
+    seed : int
+        Seed of the shifts of the sets.
+
+    Attributes
+    ----------
+    sums : (SETS, 2, N_SUMS) float64
+        What each set has found in the girdle cells and on the rim; areas [girdle radius^2].
+    rays : int
+        Rays followed so far.
+    cell_area : float
+        Area of the girdle cells [girdle radius^2].
+    rim_area : float
+        Area of the rim [girdle radius^2]; where `is_known` is not true, of what may be the rim.
+    is_known : bool
+        Whether the area of the view is known beforehand: that of the girdle's disc, seen from straight above.
+    """
+
+    def __init__(self, ready: BeamStone, facets: VirtualFacets, seed: int) -> None:
+        self._ready, self._basis, self._rules = ready, facets.view.basis(), kernel_rules(facets.model)
+        self._shifts = np.random.default_rng(seed).random((SETS, 2, 2))
+        self.sums, self.rays, self._done = np.zeros((SETS, 2, N_SUMS)), 0, [0, 0]
+        self._regions: tuple[_Region, _Region] = (_Cells(facets), _Rim(facets))
+        self.cell_area = self._regions[CELLS].area
+        self.is_known = facets.view.tilt_deg == 0 and facets.stone.girdle.is_round
+        self.rim_area = self._regions[RIM].area
+        if self.is_known:
+            disc = np.pi / 16 if len(facets.wedge) else np.pi
+            self.rim_area = max(disc - float(facets.area.sum()), 0.0)
+
+    def numbers(self, rays: int) -> tuple[int, int]:
+        """Share out a set's rays between the girdle cells and the rim, by their areas."""
+        share = self.cell_area / (self.cell_area + self.rim_area) if self.cell_area > 0 else 0.0
+        return max(8, round(share * rays)) if share else 0, max(8, round((1 - share) * rays))
+
+    def go_on(self, numbers: tuple[int, int], progress: Callable[[float], None] | None = None) -> None:
+        """Go on until each set has so many rays in the girdle cells and on the rim."""
+
+        def one_set(number: int) -> int:
+            rays = 0
+            for k, region in enumerate(self._regions):
+                total = self.sums[number, k] * self._done[k]
+                for first in range(self._done[k], numbers[k], _BLOCK):
+                    last = min(first + _BLOCK, numbers[k])
+                    steps = np.arange(first + 1, last + 1)[:, None] * _STEPS
+                    points, weights = region.points((self._shifts[number, k] + steps) % 1.0)
+                    total += (last - first) * sum_rays(
+                        points, weights, self._basis, self._ready.solid, self._ready.facet, self._rules
+                    )
+                    rays += len(points)
+                self.sums[number, k] = total / max(numbers[k], 1)
+            return rays
+
+        if SETS * (sum(numbers) - sum(self._done)) < _THREAD_RAYS:
+            self.rays += sum(one_set(number) for number in range(SETS))
+        else:
+            with ThreadPoolExecutor(os.cpu_count()) as pool:
+                for done, rays in enumerate(pool.map(one_set, range(SETS)), start=1):
+                    self.rays += rays
+                    if progress is not None:
+                        progress(done / SETS)
+        self._done = list(numbers)
+
+    def found(self) -> np.ndarray:
+        """Return what each set has found in both regions together, (SETS, N_SUMS) [girdle radius^2].
+
+        Where the rim's area is known, what the rays have found there is made to cover just that.
+        """
+        rim = self.sums[:, RIM]
+        if self.is_known:
+            met = rim[:, MET:]
+            rim = rim * (self.rim_area / np.where(met > 0, met, 1.0))
+        return np.asarray(self.sums[:, CELLS] + rim)
+
+
+class _Region(Protocol):
+    """A part of the view that points can be spread over."""
+
+    area: float
+
+    def points(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Spread points of the unit square (n, 2) over it; their places (m, 2), and what each counts (m,)."""
+        ...
+
+
+class _Cells:
+    """The girdle cells, as triangles one after the other."""
+
+    def __init__(self, facets: VirtualFacets) -> None:
+        fans = []
+        for i in np.flatnonzero(facets.status == FacetStatus.GIRDLE):
+            polygon = facets.polygon(int(i))
+            fans += [(polygon[0], polygon[k], polygon[k + 1]) for k in range(1, len(polygon) - 1)]
+        self._triangles = np.array(fans).reshape(-1, 3, 2)
+        a, b = (self._triangles[:, k] - self._triangles[:, 0] for k in (1, 2))
+        self._upto = np.cumsum(0.5 * np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]))
+        self.area = float(self._upto[-1]) if len(self._upto) else 0.0
+
+    def points(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        x = unit[:, 0] * self.area
+        k = np.minimum(np.searchsorted(self._upto, x, side="right"), len(self._upto) - 1)
+        below = np.where(k > 0, self._upto[k - 1], 0.0)
+        across = np.sqrt(np.clip((x - below) / (self._upto[k] - below), 0.0, 1.0))[:, None]
+        along = unit[:, 1:]
+        a, b, c = self._triangles[k].transpose(1, 0, 2)
+        return (1 - across) * a + across * ((1 - along) * b + along * c), np.full(len(x), self.area / len(x))
+
+
+class _Rim:
+    """What of the view no polygon covers: a narrow rim, and the girdle where it is seen from the side."""
+
+    def __init__(self, facets: VirtualFacets) -> None:
+        self._facets = facets
+        self._reach = facets.stone.girdle.largest_radius
+        if facets.view.tilt_deg:
+            self._reach = max(self._reach, float(np.linalg.norm(facets.stone.vertices, axis=1).max()))
+        # Lines that lie along no edge of a symmetric stone; in a wedge they cross the rim steeply.
+        self._azimuth, self._low, self._high = 0.1234, -self._reach, self._reach
+        if len(facets.wedge):
+            self._azimuth = np.pi / 16 + 0.05
+            self._low, self._high = np.sin(-self._azimuth), np.sin(np.pi / 8 - self._azimuth)
+        grid = (np.arange(64) + 0.5) / 64
+        self.area = float(self.points(np.column_stack([grid, grid]))[1].sum())
+
+    def points(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        facets, across = self._facets, self._low + (self._high - self._low) * unit[:, 0]
+        points, lengths = rim_points(
+            facets.covered, facets.covered_ends, facets.wedge, self._reach, self._azimuth, across, unit[:, 1]
+        )
+        return points, lengths * ((self._high - self._low) / len(unit))
+
+
+def sums_by_status(
+    weights: np.ndarray, intensity: np.ndarray, rear: np.ndarray, status: np.ndarray
+) -> np.ndarray:
+    """Sum up weights (n,) by what became of the light: intensity (0 to 1), rear mask, `RayStatus`, all (n,).
+
+    Returns
+    -------
+    (N_SUMS,) float64
+    """
+    sums = np.zeros(N_SUMS)
+    sums[INTENSITY] = weights @ intensity
+    sums[REAR] = weights[rear].sum()
+    sums[TRAPPED] = weights[status == RayStatus.TRAPPED].sum()
+    sums[LOST] = weights[status == RayStatus.LOST].sum()
+    lit = (status == RayStatus.EXITED) & ~rear
+    band = (intensity[:, None] < BAND_EDGES).sum(axis=1)
+    sums[BANDS : BANDS + 6] = np.bincount(band[lit], weights[lit], minlength=6)
+    sums[MET] = weights[status != RayStatus.MISSED].sum()
+    return sums

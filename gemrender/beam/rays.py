@@ -1,0 +1,215 @@
+"""Single rays through a stone, compiled: what light near the girdle is scored by.
+
+The same rays as the reference's (`gemrender.reference`), for stones whose facets make a convex solid: the
+surface that a ray meets next is the nearest one that it goes out through, or the girdle before that.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from gemrender.beam.compiled import jit
+from gemrender.beam.crossing import crossing_factor, into_air, into_stone
+from gemrender.beam.wall import is_outside, wall_crossing, wall_normal
+from gemrender.observation import PATH_CODE_FACTOR, PATH_CODE_MASK, RayStatus
+
+__all__ = [
+    "BANDS",
+    "BAND_EDGES",
+    "INTENSITY",
+    "LOST",
+    "MET",
+    "N_SUMS",
+    "REAR",
+    "TRAPPED",
+    "sum_rays",
+    "trace_rays",
+]
+
+#: What is summed up over rays: intensity, rear light, trapped, lost, light in the six bands, brightest first,
+#: and all that met the stone.
+INTENSITY, REAR, TRAPPED, LOST, BANDS, MET, N_SUMS = 0, 1, 2, 3, 4, 10, 11
+
+#: Lower edges of the bands of intensity but the last, brightest first, as shares of the light.
+BAND_EDGES = (0.75, 0.60, 0.45, 0.30, 0.15)
+
+#: Rays start so far from the origin, outside every stone [girdle radius].
+_START_DISTANCE = 10.0
+
+_MISSED, _EXITED = int(RayStatus.MISSED), int(RayStatus.EXITED)
+_TRAPPED, _LOST = int(RayStatus.TRAPPED), int(RayStatus.LOST)
+
+
+@jit
+def _entry(ox: float, oy: float, oz: float, dx: float, dy: float, dz: float, solid: Any) -> Any:
+    """Find the surface through which a ray from outside enters, and its distance; -1 if it misses."""
+    planes = solid.values
+    t_in, first, t_out = 0.0, -1, math.inf
+    for i in range(planes.shape[0]):
+        slope = planes[i, 0] * dx + planes[i, 1] * dy + planes[i, 2] * dz
+        gap = planes[i, 3] - planes[i, 0] * ox - planes[i, 1] * oy - planes[i, 2] * oz
+        if slope < 0.0 and gap / slope > t_in:
+            t_in, first = gap / slope, i
+        elif slope > 0.0:
+            t_out = min(t_out, gap / slope)
+        elif slope == 0.0 and gap < 0.0:
+            return -1, 0.0
+    if t_in >= t_out:
+        return -1, 0.0
+    if is_outside(solid.wall, ox + t_in * dx, oy + t_in * dy, oz + t_in * dz):
+        t_in, first = wall_crossing(solid.wall, ox, oy, oz, dx, dy, dz, t_in, t_out, False), planes.shape[0]
+    return (first, t_in) if math.isfinite(t_in) else (-1, 0.0)
+
+
+@jit
+def _nearest_plane(ox: float, oy: float, oz: float, dx: float, dy: float, dz: float, planes: Any) -> Any:
+    """Find the plane that a ray inside the stone meets next, and its distance; -1 if there is none."""
+    best, surface = math.inf, -1
+    for i in range(planes.shape[0]):
+        slope = planes[i, 0] * dx + planes[i, 1] * dy + planes[i, 2] * dz
+        if slope > 0.0:
+            t = (planes[i, 3] - planes[i, 0] * ox - planes[i, 1] * oy - planes[i, 2] * oz) / slope
+            if t < best:
+                best, surface = t, i
+    return surface, best
+
+
+@jit
+def _out_of_circle(ox: float, oy: float, dx: float, dy: float) -> float:
+    """Return the distance at which a ray leaves the upright cylinder of radius 1."""
+    a, b = dx * dx + dy * dy, ox * dx + oy * dy
+    if a == 0.0:
+        return math.inf
+    return (-b + math.sqrt(max(b * b - a * (ox * ox + oy * oy - 1.0), 0.0))) / a
+
+
+@jit
+def _follow(u: float, v: float, basis: Any, solid: Any, facet: Any, rules: Any) -> Any:
+    """Follow the ray through (u, v) of the view from the eye until it leaves.
+
+    Returns
+    -------
+    tuple
+        Status, intensity (0 to 1; 0 for rear light), whether it is rear light, reflections, entry and exit
+        surface, code of the path, exit point (3) and direction (3).
+    """
+    ox = u * basis[0, 0] + v * basis[1, 0] + _START_DISTANCE * basis[2, 0]
+    oy = u * basis[0, 1] + v * basis[1, 1] + _START_DISTANCE * basis[2, 1]
+    oz = u * basis[0, 2] + v * basis[1, 2] + _START_DISTANCE * basis[2, 2]
+    dx, dy, dz = -basis[2, 0], -basis[2, 1], -basis[2, 2]
+    first, t = _entry(ox, oy, oz, dx, dy, dz, solid)
+    if first < 0:
+        return _MISSED, 0.0, False, 0, -1, -1, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    planes, girdle, is_round = solid.values, solid.values.shape[0], solid.wall.is_round
+    code = facet[first] + 1
+    ox, oy, oz = ox + t * dx, oy + t * dy, oz + t * dz
+    if first == girdle:
+        nx, ny, nz = wall_normal(solid.wall, ox, oy, oz)
+    else:
+        nx, ny, nz = planes[first, 0], planes[first, 1], planes[first, 2]
+    dx, dy, dz, cos_air, cos_stone = into_stone(dx, dy, dz, nx, ny, nz, rules.refractive_index)
+    leaving = crossing_factor(cos_air, cos_stone, rules.refractive_index, rules.law, rules.radiance, True)
+    for reflections in range(rules.max_reflections + 1):
+        i, t = _nearest_plane(ox, oy, oz, dx, dy, dz, planes)
+        if is_round:
+            t_girdle = _out_of_circle(ox, oy, dx, dy)
+        else:
+            t_girdle = wall_crossing(solid.wall, ox, oy, oz, dx, dy, dz, 0.0, t, True)
+        if t_girdle < t:
+            i, t = girdle, t_girdle
+        if i < 0:
+            return _LOST, 0.0, False, reflections, first, -1, code, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        code = (code * PATH_CODE_FACTOR + facet[i] + 1) & PATH_CODE_MASK
+        ox, oy, oz = ox + t * dx, oy + t * dy, oz + t * dz
+        if i < girdle:
+            nx, ny, nz = planes[i, 0], planes[i, 1], planes[i, 2]
+        elif is_round:
+            r = math.sqrt(ox * ox + oy * oy)
+            nx, ny, nz = ox / r, oy / r, 0.0
+        else:
+            nx, ny, nz = wall_normal(solid.wall, ox, oy, oz)
+        cos = dx * nx + dy * ny + dz * nz
+        if rules.refractive_index * rules.refractive_index * (1.0 - cos * cos) < 1.0:
+            dx, dy, dz, cos_air, cos_stone = into_air(dx, dy, dz, nx, ny, nz, rules.refractive_index)
+            rear = (oz if rules.rear_by_position else dz) <= 0.0
+            intensity = 0.0
+            if not rear:
+                intensity = leaving * crossing_factor(
+                    cos_air, cos_stone, rules.refractive_index, rules.law, rules.radiance, False
+                )
+            return _EXITED, intensity, rear, reflections, first, i, code, ox, oy, oz, dx, dy, dz
+        dx, dy, dz = dx - 2.0 * cos * nx, dy - 2.0 * cos * ny, dz - 2.0 * cos * nz
+    return _TRAPPED, 0.0, False, rules.max_reflections, first, -1, code, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+
+
+@jit
+def sum_rays(points: Any, weights: Any, basis: Any, solid: Any, facet: Any, rules: Any) -> Any:
+    """Follow rays and sum up what became of them.
+
+    Parameters
+    ----------
+    points : (n, 2) float64
+        Places in the view [girdle radius].
+    weights : (n,) float64
+        What each ray counts.
+    basis : (3, 3) float64
+        The view's right, its up, and the direction to the eye.
+    solid, rules : Solid, Rules
+        The stone and the model.
+    facet : (p + 1,) int64
+        The facet that each surface belongs to.
+
+    Returns
+    -------
+    (N_SUMS,) float64
+        Sums of the weights by what became of the rays, INTENSITY of weight times intensity (0 to 1).
+    """
+    sums = np.zeros(N_SUMS)
+    for k in range(len(points)):
+        ray = _follow(points[k, 0], points[k, 1], basis, solid, facet, rules)
+        status, intensity, rear, weight = ray[0], ray[1], ray[2], weights[k]
+        if status == _MISSED:
+            continue
+        sums[MET] += weight
+        sums[INTENSITY] += weight * intensity
+        if status == _TRAPPED:
+            sums[TRAPPED] += weight
+        elif status == _LOST:
+            sums[LOST] += weight
+        elif rear:
+            sums[REAR] += weight
+        else:
+            band = 0
+            while band < len(BAND_EDGES) and intensity < BAND_EDGES[band]:
+                band += 1
+            sums[BANDS + band] += weight
+    return sums
+
+
+@jit
+def trace_rays(points: Any, basis: Any, solid: Any, facet: Any, rules: Any) -> Any:
+    """Follow rays and keep what became of each.
+
+    Parameters
+    ----------
+    points, basis, solid, facet, rules
+        As for `sum_rays`.
+
+    Returns
+    -------
+    values : (n, 8) float64
+        Intensity (0 to 1), 1 for rear light, exit point (3), exit direction (3).
+    numbers : (n, 5) int64
+        `RayStatus`, reflections, entry and exit surface, code of the path.
+    """
+    values, numbers = np.empty((len(points), 8)), np.empty((len(points), 5), np.int64)
+    for k in range(len(points)):
+        (
+            numbers[k, 0], values[k, 0], rear, numbers[k, 1], numbers[k, 2], numbers[k, 3], numbers[k, 4],
+            values[k, 2], values[k, 3], values[k, 4], values[k, 5], values[k, 6], values[k, 7],
+        ) = _follow(points[k, 0], points[k, 1], basis, solid, facet, rules)  # fmt: skip
+        values[k, 1] = 1.0 if rear else 0.0
+    return values, numbers

@@ -1,0 +1,318 @@
+"""Derivatives of a stone's scores by its proportions, moving edges included.
+
+Areas and intensities of the virtual facets are smooth functions of the planes, and so are their edges: the
+derivative of a sum over them is exact, by the complex step (`compiled`). No sampled image gives that: a pixel
+does not move. Near the girdle there are no virtual facets. What is exact there too is how its share of the
+view grows. How the mean of its light changes is a difference quotient of rays, with its error; it is small,
+and from one hundredth of a per cent to the next too rough for a derivative to mean anything.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from gemrender.beam.compiled import STEP
+from gemrender.beam.facets import LEAST_AREA, kernel_rules, trace_facets
+from gemrender.beam.measure import facet_sums
+from gemrender.beam.near_girdle import SETS, STUDENT_T, NearGirdle
+from gemrender.beam.polygons import GIRDLE_CELL, trace_polygons
+from gemrender.beam.rays import INTENSITY, MET, REAR
+from gemrender.beam.solid import WEDGE, BeamStone, beam_stone
+from gemrender.errors import InputError
+from gemrender.observation import LIGHT_LEVEL, Model, View
+from gemrender.stone import RoundBrilliant, Stone
+from gemrender.stone.proportions import brilliant_vertices
+from gemrender.stone.solid import facet_planes
+
+__all__ = ["PROPORTIONS", "Derivative", "Sensitivity", "facet_totals", "proportion_planes", "sensitivity"]
+
+#: The proportions that a stone is differentiated by, as `RoundBrilliant` names them.
+PROPORTIONS = (
+    "table", "star", "lower_girdle_contact", "crown_height", "pavilion_depth", "girdle_thickness"
+)  # fmt: skip
+
+#: Steps of the difference quotient near the girdle [%]; a smaller one is taken where the girdle cells are not
+#: the same ones on both sides, told by their area, which may differ by this share from what it should be.
+_QUOTIENT_STEPS, _SAME_CELLS = (0.05, 0.02, 0.01, 0.005), 0.02
+#: Rays of each set and side.
+_RAYS = 2048
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Derivative:
+    """How fast the scores change with one parameter.
+
+    Attributes
+    ----------
+    parameter : str
+        Its name, as stone files have it.
+    kept : str
+        What stays as it is: the other "proportions", or the other "angles" of a laboratory report.
+    unit : str
+        "%" or "deg".
+    average, rear : float
+        d(Average) and d(Rear) [% per unit].
+    average_bound, rear_bound : float
+        How far they may be off, with a confidence of 99.9 % [% per unit].
+    """
+
+    parameter: str
+    kept: str
+    unit: str
+    average: float
+    rear: float
+    average_bound: float
+    rear_bound: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sensitivity:
+    """The derivatives of one stone's scores.
+
+    Attributes
+    ----------
+    name : str
+        The stone's name.
+    average, rear : float
+        The scores themselves [%].
+    derivatives : tuple of Derivative
+        By the paper's proportions, then by what a laboratory report prints.
+    girdle : float
+        Share of the view that no virtual facet tells [%].
+    fresnel, rear_rule, intensity : str
+        The model's options.
+    index : float
+        Refractive index.
+    tilt_deg, tilt_azimuth_deg : float
+        Tilt of the eye and its azimuth [deg].
+    seconds : float
+        Time that it took [s].
+    """
+
+    name: str
+    average: float
+    rear: float
+    derivatives: tuple[Derivative, ...]
+    girdle: float
+    fresnel: str
+    rear_rule: str
+    intensity: str
+    index: float
+    tilt_deg: float
+    tilt_azimuth_deg: float
+    seconds: float
+
+    def to_dict(self) -> dict[str, object]:
+        """Return the derivatives for JSON."""
+        return asdict(self)
+
+
+def proportion_planes(proportions: RoundBrilliant, parameter: str) -> np.ndarray:
+    """Return a brilliant's planes, (57, 4) complex128, with their derivatives by a proportion [1/%]."""
+    numbers: dict[str, complex] = asdict(proportions)
+    numbers[parameter] = complex(numbers[parameter], STEP)
+    normals, offsets = facet_planes(brilliant_vertices(**numbers))
+    return np.column_stack([normals, offsets])
+
+
+def facet_totals(
+    ready: BeamStone, planes: np.ndarray, *, view: View | None = None, model: Model | None = None
+) -> np.ndarray:
+    """Sum up the virtual facets of a stone with these planes in place of its own.
+
+    Parameters
+    ----------
+    ready : BeamStone
+        The stone.
+    planes : (p, 4) float64 or complex128
+        Planes; with `compiled.STEP` times their derivatives as imaginary parts, the sums have theirs.
+    view, model
+        As for `measure`.
+
+    Returns
+    -------
+    (4,) array like `planes`
+        Area times intensity (0 to 1), area of rear light, area of all virtual facets, and area of the girdle
+        cells [girdle radius^2]; of a symmetric stone seen from straight above, of a sixteenth of the view.
+    """
+    view = view or View(resolution=1)
+    wedge = WEDGE if ready.symmetric and view.tilt_deg == 0 else np.empty((0, 2))
+    solid = ready.solid._replace(planes=planes, values=np.ascontiguousarray(planes.real))
+    rules = kernel_rules(model or Model.of(ready.stone))
+    _, _, what, values, *_ = trace_polygons(solid, view.basis(), wedge, rules, LEAST_AREA)
+    areas, near = values[:, 0], what[:, 0] == GIRDLE_CELL
+    return np.array(
+        [areas @ values[:, 1], areas[what[:, 3] == 1].sum(), areas[~near].sum(), areas[near].sum()]
+    )
+
+
+def sensitivity(
+    stone: Stone,
+    *,
+    view: View | None = None,
+    model: Model | None = None,
+    seed: int = 1,
+    rays: int = _RAYS,
+    progress: Callable[[float], None] | None = None,
+) -> Sensitivity:
+    """Differentiate a stone's Average and Rear by each of its proportions and angles.
+
+    Where a whole virtual facet reaches the critical angle the scores jump; between such places the derivative
+    is that of the scores.
+
+    Parameters
+    ----------
+    stone : Stone
+        A stone made from proportions or angles.
+    view, model
+        As for `measure`.
+    seed : int
+        Seed of the rays near the girdle.
+    rays : int
+        Rays of each of the eight sets; more of them tighten the bounds.
+    progress : callable, optional
+        Called with the share done, 0 to 1.
+
+    Raises
+    ------
+    InputError
+        The stone was not made from proportions.
+    """
+    start = time.perf_counter()
+    if stone.proportions is None or stone.is_half_spaces:
+        raise InputError(
+            "has no proportions to differentiate by: it must be made from [proportions] or [angles]",
+            source=stone.source or stone.name,
+        )
+    view, model = view or View(resolution=1), model or Model.of(stone)
+    base = _Scored(stone, view, model, seed, rays)
+    slopes = {}
+    for done, parameter in enumerate(PROPORTIONS, start=1):
+        slopes[parameter] = _slope(base, parameter, seed)
+        if progress is not None:
+            progress(done / len(PROPORTIONS))
+    average, rear = base.scores().mean(axis=0)
+    return Sensitivity(
+        name=stone.name,
+        average=float(average),
+        rear=float(rear),
+        derivatives=tuple(_derivatives(stone.proportions, slopes)),
+        girdle=float(100.0 * (1.0 - base.told[MET] / base.area)),
+        fresnel=model.fresnel,
+        rear_rule=model.rear,
+        intensity=model.intensity,
+        index=model.index,
+        tilt_deg=float(view.tilt_deg),
+        tilt_azimuth_deg=float(view.tilt_azimuth_deg),
+        seconds=time.perf_counter() - start,
+    )
+
+
+class _Scored:
+    """A stone with its virtual facets and its light near the girdle."""
+
+    def __init__(
+        self,
+        stone: Stone,
+        view: View,
+        model: Model,
+        seed: int,
+        rays: int,
+        numbers: tuple[int, int] | None = None,
+    ) -> None:
+        self.stone, self.view, self.model = stone, view, model
+        self.ready = beam_stone(stone)
+        facets = trace_facets(self.ready, view=view, model=model, whole=False)
+        self.told, near = facet_sums(facets), NearGirdle(self.ready, facets, seed)
+        self.numbers = numbers or near.numbers(rays)
+        near.go_on(self.numbers)
+        self.near, self.is_known, self.cell_area = near.found(), near.is_known, near.cell_area
+
+    @property
+    def area(self) -> float:
+        """Area of the traced part of the view [girdle radius^2]."""
+        return float(self.told[MET] + self.near[:, MET].mean())
+
+    def scores(self) -> np.ndarray:
+        """Average and Rear by each set of rays, (SETS, 2) [%]."""
+        sums = self.told + self.near
+        return np.asarray(100.0 * sums[:, [INTENSITY, REAR]] / sums[:, MET:])
+
+    def moved(self, parameter: str, by: float, seed: int) -> _Scored:
+        """Return the stone with one proportion changed [%], scored by the very same rays."""
+        assert self.stone.proportions is not None
+        numbers = asdict(self.stone.proportions)
+        numbers[parameter] += by
+        stone = Stone.from_proportions(RoundBrilliant(**numbers), material=self.stone.material)
+        return _Scored(stone, self.view, self.model, seed, 0, self.numbers)
+
+
+def _slope(base: _Scored, parameter: str, seed: int) -> np.ndarray:
+    """Differentiate Average and Rear by one proportion, by each set of rays, (SETS, 2)."""
+    assert base.stone.proportions is not None
+    planes = proportion_planes(base.stone.proportions, parameter)
+    light, rear, told, cells = facet_totals(base.ready, planes, view=base.view, model=base.model).imag / STEP
+    for step in _QUOTIENT_STEPS:
+        low, high, between = _sides(base, parameter, step, seed)
+        grown = high.cell_area - low.cell_area - between * cells
+        if abs(grown) <= _SAME_CELLS * base.cell_area:
+            break
+    near = base.near[:, MET:]
+    means = [side.near[:, [INTENSITY, REAR]] / side.near[:, MET:] for side in (low, base, high)]
+    by_area = -told if base.is_known else (high.near[:, MET:] - low.near[:, MET:]) / between
+    near_slope = means[1] * by_area + near * (means[2] - means[0]) / between
+    area = base.told[MET] + near
+    slope = np.array([light, rear]) + near_slope - base.scores() / LIGHT_LEVEL * (told + by_area)
+    return np.asarray(LIGHT_LEVEL * slope / area)
+
+
+def _sides(base: _Scored, parameter: str, step: float, seed: int) -> tuple[_Scored, _Scored, float]:
+    """Return the stone with a proportion a step smaller and a step larger, and how far apart [%].
+
+    At the end of the allowed range the stone itself is one of the two.
+    """
+    sides, between = [], 0.0
+    for by in (-step, step):
+        try:
+            sides.append(base.moved(parameter, by, seed))
+        except InputError:
+            sides.append(base)
+        else:
+            between += step
+    if not between:
+        raise InputError("leaves no room for a difference on either side", key=parameter)
+    return sides[0], sides[1], between
+
+
+def _derivatives(proportions: RoundBrilliant, slopes: dict[str, np.ndarray]) -> list[Derivative]:
+    """Put the derivatives together; those by angles follow from those by heights (the chain rule).
+
+    crown height = (100 - table) / 2 tan(crown angle), pavilion depth = 50 tan(pavilion angle).
+    """
+    crown, pavilion = (math.radians(a) for a in (proportions.crown_angle_deg, proportions.pavilion_angle_deg))
+    by_crown, by_pavilion = slopes["crown_height"], slopes["pavilion_depth"]
+    degree = math.radians(1.0)
+    angles = {
+        "table": ("%", slopes["table"] - 0.5 * math.tan(crown) * by_crown),
+        "crown_angle": ("deg", degree * (100.0 - proportions.table) / 2 / math.cos(crown) ** 2 * by_crown),
+        "pavilion_angle": ("deg", degree * 50.0 / math.cos(pavilion) ** 2 * by_pavilion),
+        "lower_half": ("%", -slopes["lower_girdle_contact"]),
+    }
+    rows = [(name, "proportions", "%", slope) for name, slope in slopes.items()]
+    rows += [(name, "angles", unit, slope) for name, (unit, slope) in angles.items()]
+    out = []
+    for name, kept, unit, slope in rows:
+        (average, rear), spread = slope.mean(axis=0), slope.std(axis=0, ddof=1) / math.sqrt(SETS)
+        bounds = [float(STUDENT_T * s) for s in spread]
+        out.append(
+            Derivative(
+                parameter=name, kept=kept, unit=unit, average=float(average), rear=float(rear),
+                average_bound=bounds[0], rear_bound=bounds[1],
+            )
+        )  # fmt: skip
+    return out
