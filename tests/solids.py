@@ -6,9 +6,21 @@ import math
 
 import numpy as np
 
-from gemrender.stone import RoundBrilliant, StoneMesh
+from gemrender.stone import RoundBrilliant, Stone, StoneMesh, load_stone
+from gemrender.stone.topology import CULET
 
 _STEP = math.pi / 8
+
+
+def bent_stone(culet: float, *, name: str = "bent", stretched: float = 1.0) -> Stone:
+    """Return a measured stone with its culet moved up by so much, and its x stretched [girdle radius].
+
+    Lowered, the pavilion mains are bent outwards and the stone stays convex; raised, they are hollow.
+    """
+    vertices = load_stone("inoue-3").vertices.copy()
+    vertices[CULET, 2] += culet
+    vertices[:, 0] *= stretched
+    return Stone.from_vertices(vertices, name=name)
 
 
 def assert_closed(mesh: StoneMesh) -> None:

@@ -20,7 +20,8 @@ from physics_tolerances import (
     Z,
 )
 
-from gemrender import Model, RayStatus, View, load_stone, observe
+from gemrender import Model, RayStatus, View, load_stone
+from gemrender import observe as observe_by
 from gemrender.optics.fresnel import brewster_angle_deg, reflectance
 from gemrender.scene import stone_scene
 from gemrender.scene.generator import dielectric, film
@@ -45,6 +46,10 @@ def scene_of(stone, view, model=None, spp=1, **other):
     if spp > 1:
         scene["sensor"]["sampler"] = {"type": "independent", "sample_count": spp}
     return mi.load_dict(scene)
+
+
+def observe(stone, **options):
+    return observe_by(stone, engine="mitsuba", **options)
 
 
 def channels(scene):

@@ -15,8 +15,8 @@ from physics_tolerances import COORDINATE, ONE_DECIMAL, SAME_PATH, SAMPLING_512
 
 import gemrender.render.observe as by_mitsuba
 from gemrender import Model, RayStatus, RoundBrilliant, Stone, View, load_stone
-from gemrender import observe as observe_by
 from gemrender.crosscheck import crosscheck
+from gemrender.engines import observe
 from gemrender.observation import MAP_TYPES
 from gemrender.reference import observe as by_reference
 from gemrender.score import score_observation
@@ -152,11 +152,13 @@ def test_sensors_rays_are_the_views(variant_llvm_ad_mono, monkeypatch, resolutio
     [("inoue-1", 44.60, 45.60), ("inoue-2", 48.5, 49.5), ("inoue-3", 60.0, 61.0)],
 )
 def test_average_is_the_papers(variant_llvm_ad_mono, name, low, high):
-    assert low <= score_observation(observe_by(load_stone(name), resolution=512)).average <= high
+    assert (
+        low <= score_observation(observe(load_stone(name), engine="mitsuba", resolution=512)).average <= high
+    )
 
 
 def test_rear_of_sample_3_is_the_papers(variant_llvm_ad_mono):
-    result = score_observation(observe_by(load_stone("inoue-3"), resolution=512))
+    result = score_observation(observe(load_stone("inoue-3"), engine="mitsuba", resolution=512))
     assert result.rear == pytest.approx(5.43, abs=0.6)
 
 
@@ -165,7 +167,7 @@ def test_rear_of_sample_3_is_the_papers(variant_llvm_ad_mono):
     [("inoue-1", 45.2, 19.2), ("inoue-2", 49.2, 14.5), ("inoue-3", 60.4, 5.1)],
 )
 def test_scores_are_those_of_an_independent_computation(variant_llvm_ad_mono, name, average, rear):
-    result = score_observation(observe_by(load_stone(name), resolution=512))
+    result = score_observation(observe(load_stone(name), engine="mitsuba", resolution=512))
     assert result.average == pytest.approx(average, abs=ONE_DECIMAL + SAMPLING_512)
     assert result.rear == pytest.approx(rear, abs=ONE_DECIMAL + SAMPLING_512)
     assert (result.trapped, result.lost) == (0, 0)
@@ -180,9 +182,9 @@ def test_map_in_passes_is_the_map_in_one(variant_llvm_ad_mono, monkeypatch, tilt
     # 10 passes of 13 rows, the last of 11.
     stone = load_stone("inoue-2")
     told = []
-    whole = observe_by(stone, resolution=128, tilt_deg=tilt_deg)
+    whole = observe(stone, engine="mitsuba", resolution=128, tilt_deg=tilt_deg)
     monkeypatch.setattr(by_mitsuba, "PASS_RAYS", 13 * 128)
-    in_passes = observe_by(stone, resolution=128, tilt_deg=tilt_deg, progress=told.append)
+    in_passes = observe(stone, engine="mitsuba", resolution=128, tilt_deg=tilt_deg, progress=told.append)
     if tilt_deg:  # not a power of two: the map just holds the stone
         assert np.mean(in_passes.path_code == whole.path_code) > 0.999
     else:
@@ -193,16 +195,16 @@ def test_map_in_passes_is_the_map_in_one(variant_llvm_ad_mono, monkeypatch, tilt
 @pytest.mark.parametrize("tilt_deg", [0, 20])
 def test_evaluated_loop_is_the_symbolic_loop(variant_llvm_ad_mono, tilt_deg):
     stone = load_stone("inoue-2")
-    symbolic = observe_by(stone, resolution=64, tilt_deg=tilt_deg)
+    symbolic = observe(stone, engine="mitsuba", resolution=64, tilt_deg=tilt_deg)
     with dr.scoped_set_flag(dr.JitFlag.SymbolicLoops, False):
-        assert_equal_maps(observe_by(stone, resolution=64, tilt_deg=tilt_deg), symbolic)
+        assert_equal_maps(observe(stone, engine="mitsuba", resolution=64, tilt_deg=tilt_deg), symbolic)
 
 
 @pytest.mark.parametrize("variant", ["llvm_ad_rgb", "llvm_ad_spectral"])
 def test_every_variant_makes_the_same_maps(variant_llvm_ad_mono, variant):
     stone = load_stone("inoue-2")
-    mono = observe_by(stone, resolution=64)
-    other = observe_by(stone, resolution=64, variant=variant)
+    mono = observe(stone, engine="mitsuba", resolution=64)
+    other = observe(stone, engine="mitsuba", resolution=64, variant=variant)
     assert (mono.variant, other.variant) == ("llvm_ad_mono", variant)
     assert_equal_maps(other, mono)
 
@@ -211,7 +213,7 @@ def kernels(stone, **options):
     """Observe; return the hashes of the kernels that ran."""
     with dr.scoped_set_flag(dr.JitFlag.KernelHistory, True):
         dr.kernel_history_clear()
-        observe_by(stone, resolution=32, **options)
+        observe(stone, engine="mitsuba", resolution=32, **options)
         hashes = {k["hash"] for k in dr.kernel_history() if k["type"] == dr.KernelType.JIT}
     assert hashes
     return hashes

@@ -96,7 +96,9 @@ def test01_reference(name, rng):
 
 @pytest.mark.parametrize("name", STONES)
 def test02_mitsuba(name, rng, variant_llvm_ad_mono):
-    observation = observe(STONES[name](), variant=variant_llvm_ad_mono, resolution=RESOLUTION)
+    observation = observe(
+        STONES[name](), engine="mitsuba", variant=variant_llvm_ad_mono, resolution=RESOLUTION
+    )
     wall = MITSUBA_PERCENT if observation.stone.girdle.is_round else MEASURED_WALL_PERCENT
     compare(observation, rng, MOST_PARTED, MITSUBA_PERCENT, wall)
 

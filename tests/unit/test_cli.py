@@ -11,10 +11,12 @@ from pathlib import Path
 
 import pytest
 from observations import ROOT, TERMINAL_VARIABLES, environment, run_gemrender, run_python
+from solids import bent_stone
 
 from gemrender import cli, crosscheck
 from gemrender.cli import output
 from gemrender.stone import bundled_stones
+from gemrender.stone.files import save_vertices
 
 #: A map that the reference traces in an instant.
 FAST = ["--engine", "reference", "--resolution", "16"]
@@ -89,11 +91,16 @@ BAD_INPUT = {
     "stones inoue-1": "stones: got unexpected extra argument",
     "scene inoue-1": "--out: missing: where to write the XML and PLY files",
     # ---- Their values ----
-    f"{SCORE} --engine mitsubishi": "--engine = 'mitsubishi': must be one of mitsuba, reference",
-    f"{SCORE} --engine magic --out x": "--engine = 'magic': must be one of mitsuba, reference",
+    f"{SCORE} --engine mitsubishi": "--engine = 'mitsubishi': must be one of auto, exact, mitsuba, reference",
+    f"{SCORE} --engine magic --out x": "--engine = 'magic': must be one of auto, exact, mitsuba, reference",
     f"{SCORE} --variant mono --out x": "--variant = 'mono': must be one of llvm_ad_rgb, llvm_ad_mono, ",
     f"{SCORE} --variant mono --engine reference": "--variant = 'mono': must be one of llvm_ad_rgb, ",
-    f"{SCORE} --variant scalar_rgb": "--variant = 'scalar_rgb': scalar variants are refused, ",
+    f"{SCORE} --variant scalar_rgb": "--variant = 'scalar_rgb': must be one of llvm_ad_rgb, ",
+    "scene inoue-1 --variant scalar_rgb --out x": "--variant = 'scalar_rgb': scalar variants are refused, ",
+    f"{SCORE} --bound x": "--bound = 'x': must be a finite number of per cent",
+    f"{SCORE} --bound 0": "--bound = 0.0: must be from 0.0001 to 10 [%]",
+    f"{SCORE} --engine exact --bound -1": "--bound = -1.0: must be from 0.0001 to 10 [%]",
+    "score hollow.csv --engine exact": "hollow.csv: is hollow beside facet ",
     "crosscheck inoue-1 --variant mono": "--variant = 'mono': must be one of llvm_ad_rgb, llvm_ad_mono, ",
     "scene inoue-1 --variant mono --out x": "--variant = 'mono': must be one of llvm_ad_rgb, ",
     f"{SCORE} --resolution x": "--resolution = 'x': must be a whole number, such as 1024",
@@ -133,7 +140,7 @@ BAD_INPUT = {
 BAD_ARGUMENTS = [
     (["score", ""], "STONE = '': must be a stone file or one of fish-eye, "),
     (["score", "inoue-1", "--out", ""], "--out = '': must be a folder that can be written: has no name"),
-    (["score", "inoue-1", "--engine", ""], "--engine = '': must be one of mitsuba, reference"),
+    (["score", "inoue-1", "--engine", ""], "--engine = '': must be one of auto, exact, mitsuba, reference"),
     (["score", "inoue-1", "--variant", ""], "--variant = '': must be one of llvm_ad_rgb, "),
     (["score", "inoue-1", "--tilt", ""], "--tilt = '': must be a finite number of degrees"),
     (["score", "a\nb\x1b[31m"], "a b\ufffd[31m: no such file; "),  # no second line, no commands to a terminal
@@ -149,6 +156,7 @@ def test_bad_input_is_one_line_that_says_what_is_allowed(arguments, words, folde
     Path("text.toml").write_text("no TOML")
     Path("table.toml").write_text(STONE_FILE.format(name='"x"').replace("54.00", '"wide"'))
     Path("short.csv").write_text("culet, 0, 0, -1\n")
+    save_vertices(bent_stone(0.003), "hollow.csv")
     stone_file("sapphire.toml", more=SAPPHIRE)
     before = sorted(folder.rglob("*"))
 
@@ -200,7 +208,9 @@ def test_json_is_the_contract(gemrender):
 
 
 def test_json_of_mitsuba_names_its_variant(gemrender, variant_llvm_ad_mono):
-    (score,) = json.loads(gemrender("score", "inoue-3", "--resolution", "64", "--json")[1])
+    (score,) = json.loads(
+        gemrender("score", "inoue-3", "--engine", "mitsuba", "--resolution", "64", "--json")[1]
+    )
     assert (score["engine"], score["variant"]) == ("mitsuba", "llvm_ad_mono")
 
 
@@ -221,7 +231,7 @@ def test_the_table_has_a_row_a_stone_and_the_rules(gemrender):
     (score,) = json.loads(gemrender("score", "inoue-3", *FAST, "--json")[1])
     assert row3.split()[:5] == ["Inoue", "sample", "3", f"{score['average']:.2f}", f"{score['rear']:.2f}"]
     assert row1.startswith(" Inoue sample 1 ")
-    assert "reference, 16 x 16 rays." in out
+    assert "16 × 16 rays, reference." in out
     assert "primary intensity, Gübelin's table (index 2.4173), rear light by position." in out
 
 
@@ -296,7 +306,9 @@ def test_crosscheck_agrees_with_status_0(gemrender, variant_llvm_ad_mono):
     status, out, err = gemrender("crosscheck", "inoue-3", "--random", "1", "--resolution", "48", "--json")
     assert (status, err) == (0, "")
     checks = json.loads(out)
-    assert [check["name"] for check in checks] == ["Inoue sample 3", "random 1.1"]
+    pairs = [(check["name"], *check["engines"]) for check in checks]
+    others = ("mitsuba", "exact")
+    assert pairs == [(name, e, "reference") for name in ("Inoue sample 3", "random 1.1") for e in others]
     assert all(check["failures"] == [] for check in checks)
 
 
@@ -323,7 +335,7 @@ def test_crosscheck_prints_every_difference(gemrender, monkeypatch, variant_llvm
     ):
         assert column in out
     assert "differs" in out
-    assert "Inoue sample 3: 100.0000 % of rays end alike, at least 100.5 % must" in out
+    assert "Inoue sample 3, mitsuba: 100.0000 % of rays end alike, at least 100.5 % must" in out
 
 
 # ---- The process ---------------------------------------------------------------------------------------
@@ -344,12 +356,15 @@ def test_no_llvm_is_one_line_with_the_cure(tmp_path):
     done = run_gemrender(
         "score",
         "inoue-3",
+        "--engine",
+        "mitsuba",
         "--out",
         str(tmp_path / "maps"),
         environment={"DRJIT_LIBLLVM_PATH": "/nowhere/libLLVM.so"},
     )
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
     assert "unset DRJIT_LIBLLVM_PATH" in done.stderr
+    assert done.stderr.endswith("; without Mitsuba, --engine exact and --engine reference work\n")
     assert not (tmp_path / "maps").exists()
 
 

@@ -43,7 +43,7 @@ def test_examples_of_the_manual_render(variants_all):
     manual = type(mi.load_dict({"type": "gem_primary"})).__doc__
     from_dict = mi.load_dict(eval(f"{{{code_tab(manual, 'python')}}}"))
     from_xml = mi.load_string(f'<scene version="3.0.0">{code_tab(manual, "xml")}</scene>').integrator()
-    seen = observe(STONE, resolution=SIZE, fresnel="exact", variant=variants_all)
+    seen = observe(STONE, engine="mitsuba", resolution=SIZE, fresnel="exact", variant=variants_all)
     for integrator in (from_dict, from_xml):
         radiance, aov = channels(scene_of(), integrator)
         np.testing.assert_array_equal(aov["primary.intensity"], seen.primary_intensity)
@@ -78,7 +78,7 @@ def test_channels_have_the_manuals_names_and_order(variant_llvm_ad_mono):
 def test_image_holds_what_observe_returns(variant_llvm_ad_mono):
     # Through Mitsuba's film, pixel by pixel: the same as the way around the film that scores take.
     _, aov = channels(scene_of(model=Model()))
-    seen = observe(STONE, resolution=SIZE)
+    seen = observe(STONE, engine="mitsuba", resolution=SIZE)
     maps = {
         "primary.intensity": seen.primary_intensity, "rear.mask": seen.rear_mask, "coverage": seen.coverage,
         "status": seen.status, "reflections": seen.reflections, "entry.facet": seen.entry_facet,

@@ -99,7 +99,8 @@ def test_the_json_keeps_the_contract_and_adds_at_the_end():
     keys = list(scored().to_dict())
     contract = ["name", "average", "rear", "bands", "trapped", "engine", "variant", "resolution", "fresnel"]
     assert keys[:10] == [*contract, "seconds"]
-    assert keys[10:] == ["lost", "tilt_deg", "tilt_azimuth_deg", "rear_rule", "intensity", "index"]
+    assert keys[10:16] == ["lost", "tilt_deg", "tilt_azimuth_deg", "rear_rule", "intensity", "index"]
+    assert keys[16:] == ["bound", "facets"]
 
 
 def test_the_json_holds_a_band_as_from_to_share():
@@ -126,7 +127,7 @@ def test_what_was_asked_for_is_on_record():
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"engine": "magic"}, "engine = 'magic': must be one of mitsuba, reference"),
+        ({"engine": "magic"}, "engine = 'magic': must be one of auto, exact, mitsuba, reference"),
         ({"engine": "reference", "variant": "mono"}, "variant = 'mono': must be one of llvm_ad_rgb, "),
         ({"engine": "reference", "variant": "scalar_rgb"}, "variant = 'scalar_rgb': must be one of "),
         ({"engine": "mitsuba", "variant": "mono"}, "variant = 'mono': must be one of llvm_ad_rgb, "),
