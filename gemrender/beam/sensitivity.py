@@ -18,7 +18,7 @@ import numpy as np
 
 from gemrender.beam.compiled import STEP
 from gemrender.beam.facets import LEAST_AREA, kernel_rules, trace_facets
-from gemrender.beam.measure import facet_sums
+from gemrender.beam.measure import check_bound, facet_sums
 from gemrender.beam.near_girdle import SETS, STUDENT_T, NearGirdle
 from gemrender.beam.polygons import GIRDLE_CELL, trace_polygons
 from gemrender.beam.rays import INTENSITY, MET, REAR
@@ -29,7 +29,15 @@ from gemrender.stone import RoundBrilliant, Stone
 from gemrender.stone.proportions import brilliant_vertices
 from gemrender.stone.solid import facet_planes
 
-__all__ = ["PROPORTIONS", "Derivative", "Sensitivity", "facet_totals", "proportion_planes", "sensitivity"]
+__all__ = [
+    "PROPORTIONS",
+    "Derivative",
+    "Sensitivity",
+    "check_differentiable",
+    "facet_totals",
+    "proportion_planes",
+    "sensitivity",
+]
 
 #: The proportions that a stone is differentiated by, as `RoundBrilliant` names them.
 PROPORTIONS = (
@@ -39,8 +47,8 @@ PROPORTIONS = (
 #: Steps of the difference quotient near the girdle [%]; a smaller one is taken where the girdle cells are not
 #: the same ones on both sides, told by their area, which may differ by this share from what it should be.
 _QUOTIENT_STEPS, _SAME_CELLS = (0.05, 0.02, 0.01, 0.005), 0.02
-#: Rays of each set and side.
-_RAYS = 2048
+#: Rays of each set and side at first and at the most, and by how much they are increased.
+_RAYS, _MOST_RAYS, _MORE = 1024, 16384, 4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -151,13 +159,28 @@ def facet_totals(
     )
 
 
+def check_differentiable(stone: Stone) -> None:
+    """Refuse a stone that was not made from proportions.
+
+    Raises
+    ------
+    InputError
+        It has none to differentiate by.
+    """
+    if stone.proportions is None or stone.is_half_spaces:
+        raise InputError(
+            "has no proportions to differentiate by: it must be made from [proportions] or [angles]",
+            source=stone.source or stone.name,
+        )
+
+
 def sensitivity(
     stone: Stone,
     *,
     view: View | None = None,
     model: Model | None = None,
     seed: int = 1,
-    rays: int = _RAYS,
+    bound: float = 0.2,
     progress: Callable[[float], None] | None = None,
 ) -> Sensitivity:
     """Differentiate a stone's Average and Rear by each of its proportions and angles.
@@ -173,35 +196,41 @@ def sensitivity(
         As for `measure`.
     seed : int
         Seed of the rays near the girdle.
-    rays : int
-        Rays of each of the eight sets; more of them tighten the bounds.
+    bound : float
+        Wanted bound of every derivative [% per unit]. Rays near the girdle are added until it is reached, but
+        no more than 16384 of each of the eight sets.
     progress : callable, optional
         Called with the share done, 0 to 1.
 
     Raises
     ------
     InputError
-        The stone was not made from proportions.
+        The stone was not made from proportions, or the bound is out of range.
     """
     start = time.perf_counter()
-    if stone.proportions is None or stone.is_half_spaces:
-        raise InputError(
-            "has no proportions to differentiate by: it must be made from [proportions] or [angles]",
-            source=stone.source or stone.name,
-        )
+    check_differentiable(stone)
+    assert stone.proportions is not None
+    wanted = check_bound(bound)
     view, model = view or View(resolution=1), model or Model.of(stone)
-    base = _Scored(stone, view, model, seed, rays)
-    slopes = {}
-    for done, parameter in enumerate(PROPORTIONS, start=1):
-        slopes[parameter] = _slope(base, parameter, seed)
-        if progress is not None:
-            progress(done / len(PROPORTIONS))
+    rays = _RAYS
+    while True:
+        base = _Scored(stone, view, model, seed, rays)
+        slopes = {}
+        for done, parameter in enumerate(PROPORTIONS, start=1):
+            slopes[parameter] = _slope(base, parameter, seed)
+            if progress is not None:
+                progress(done / len(PROPORTIONS))
+        derivatives = _derivatives(stone.proportions, slopes)
+        reached = max(max(d.average_bound, d.rear_bound) for d in derivatives)
+        if reached <= wanted or rays >= _MOST_RAYS:
+            break
+        rays *= _MORE
     average, rear = base.scores().mean(axis=0)
     return Sensitivity(
         name=stone.name,
         average=float(average),
         rear=float(rear),
-        derivatives=tuple(_derivatives(stone.proportions, slopes)),
+        derivatives=tuple(derivatives),
         girdle=float(100.0 * (1.0 - base.told[MET] / base.area)),
         fresnel=model.fresnel,
         rear_rule=model.rear,

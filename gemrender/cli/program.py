@@ -15,6 +15,7 @@ from gemrender.cli.output import say
 from gemrender.cli.report import report
 from gemrender.cli.scene import scene
 from gemrender.cli.score import crosscheck, score
+from gemrender.cli.sensitivity import sensitivity
 from gemrender.cli.show import show
 from gemrender.cli.symmetry import symmetry
 from gemrender.errors import GemrenderError, InputError
@@ -42,7 +43,9 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-for _command in (score, compare, show, report, symmetry, crosscheck, scene, stones, doctor):
+for _command in (
+    score, compare, sensitivity, show, report, symmetry, crosscheck, scene, stones, doctor,
+):  # fmt: skip
     app.command()(_command)
 
 

@@ -18,7 +18,10 @@ from gemrender.render.backend import DRJIT, MITSUBA
 from gemrender.render.cures import cure_for_missing, found_and_cure, last_words, library_cure
 from gemrender.render.llvm import LLVM_VARIABLE, find_llvm
 
-__all__ = ["Check", "diagnose"]
+__all__ = ["EXACT_ENGINE", "Check", "diagnose"]
+
+#: Name of the check of what runs without Mitsuba.
+EXACT_ENGINE = "exact engine"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,6 +72,7 @@ def diagnose() -> list[Check]:
         _check_llvm(),
         *_check_running(),
         _check_cache(),
+        _check_exact(),
     ]
 
 
@@ -185,3 +189,17 @@ def _check_cache() -> Check:
         detail = f"{folder} is not writable, every run compiles its kernels again"
         cure = "set DRJIT_CACHE_DIR to a folder that can be written"
         return Check(name="kernel cache", ok=None, detail=detail, cure=cure)
+
+
+def _check_exact() -> Check:
+    """Check the exact engine, which needs no Mitsuba."""
+    try:
+        import numba
+
+        from gemrender.beam.polygons import trace_polygons
+    except Exception as error:  # whatever a half-installed numba raises
+        detail = f"numba cannot be imported: {error}"
+        return Check(name=EXACT_ENGINE, ok=False, detail=detail, cure="pip install numba")
+    folder = getattr(trace_polygons.stats, "cache_path", None)
+    cache = f"cache in {folder}" if folder else "no folder for its cache, every run compiles again"
+    return Check(name=EXACT_ENGINE, ok=True, detail=f"numba {numba.__version__}, {cache}")

@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from gemrender.render.diagnosis import Check
+from gemrender.render.diagnosis import EXACT_ENGINE, Check
 
 __all__ = ["print_doctor"]
 
@@ -58,4 +58,8 @@ def print_doctor(checks: Sequence[Check], console: Console) -> bool:
         cure = failed.cure or failed.detail
         verdict = text(f"gemrender cannot run here: {failed.name}: {cure}", _STYLES[False])
     console.print(verdict, soft_wrap=True)
+    if failed is not None and any(check.ok and check.name == EXACT_ENGINE for check in checks):
+        console.print(
+            text("Scores and maps of convex stones need no Mitsuba: gemrender score --engine exact")
+        )
     return failed is None

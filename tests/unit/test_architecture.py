@@ -24,7 +24,7 @@ LAYERS: list[dict[str, set[str]]] = [
     {"beam": {"numpy", "numba"}},
     {"scene": {"numpy", "mitsuba"}},
     {"plugins": {"numpy", "mitsuba", "drjit"}},
-    {"render": {"numpy", "mitsuba", "drjit", "colour", "OpenEXR"}},
+    {"render": {"numpy", "numba", "mitsuba", "drjit", "colour", "OpenEXR"}},
     {"engines": set()},
     {"score": {"numpy"}},
     {"crosscheck": {"numpy"}},

@@ -57,6 +57,18 @@ def test_verdict_names_the_first_failure_and_its_cure():
     assert lines[-1] == "gemrender cannot run here: LLVM: apt-get install libllvm19"
 
 
+def test_what_works_without_mitsuba_is_told():
+    _, lines = report(GOOD, BAD, Check(name=diagnosis.EXACT_ENGINE, ok=True, detail="numba"))
+    assert lines[-2].startswith("gemrender cannot run here: LLVM: ")
+    assert "gemrender score --engine exact" in lines[-1]
+
+
+def test_the_exact_engine_is_checked_without_mitsuba():
+    check = diagnosis._check_exact()
+    assert (check.name, check.ok) == ("exact engine", True)
+    assert check.detail.startswith("numba ")
+
+
 def test_cure_stays_on_one_line_however_narrow_the_terminal():
     cure = " ".join(["apt-get install"] * 10)
     _, lines = report(Check(name="LLVM", ok=False, detail="", cure=cure))

@@ -1,0 +1,141 @@
+"""The derivatives of a stone's scores, as a table and a figure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from rich.console import Console
+from rich.text import Text
+
+from gemrender.beam.sensitivity import Derivative, Sensitivity
+from gemrender.report.lettering import name_fonts, save_png
+from gemrender.report.tables import note, table
+from gemrender.writing import write_whole
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+__all__ = ["parameter_name", "print_sensitivities", "sensitivity_figure", "write_sensitivity"]
+
+_COLOURS = {"average": "#1e9c89", "rear": "#3f4889"}
+_INK, _GREY = "#222222", "#666666"
+_NAMES = {
+    "table": "Table",
+    "star": "Star length",
+    "lower_girdle_contact": "Lower-girdle contact",
+    "crown_height": "Crown height",
+    "pavilion_depth": "Pavilion depth",
+    "girdle_thickness": "Girdle thickness",
+    "crown_angle": "Crown angle",
+    "pavilion_angle": "Pavilion angle",
+    "lower_half": "Lower-half length",
+}
+
+
+def parameter_name(derivative: Derivative) -> str:
+    """Return the parameter in words, with what is kept where that matters."""
+    name = _NAMES[derivative.parameter]
+    if derivative.parameter == "table":
+        name += ", heights kept" if derivative.kept == "proportions" else ", angles kept"
+    return name
+
+
+def print_sensitivities(sensitivities: Sequence[Sensitivity], console: Console) -> None:
+    """Print the derivatives, a row each: by a per cent of a proportion, and by a degree of an angle."""
+    rows = table("by", "unit", "d Average", "±", "d Rear", "±")
+    rows.columns[1].justify = "left"
+    for s in sensitivities:
+        for number, d in enumerate(s.derivatives):
+            rows.add_row(
+                Text(s.name if number == 0 else ""),
+                parameter_name(d),
+                "1 °" if d.unit == "deg" else "1 %",
+                Text(f"{d.average:+.3f}", style="bold"),
+                _digits(d.average_bound),
+                Text(f"{d.rear:+.3f}", style="bold"),
+                _digits(d.rear_bound),
+                end_section=number == len(s.derivatives) - 1,
+            )
+    console.print(rows)
+    note(
+        console, "d Average, d Rear: per cent of the light or of the top view, by one unit of the parameter."
+    )
+    note(console, "±: error of the part near the girdle, a difference quotient of rays; the rest is exact.")
+    for s in sensitivities:
+        note(
+            console,
+            f"{s.name}: Average {s.average:.2f}, Rear {s.rear:.2f}; "
+            f"{s.girdle:.2g} % of the view lies near the girdle.",
+        )
+
+
+def _digits(bound: float) -> str:
+    return f"{bound:.3f}" if bound >= 5e-4 else "0"
+
+
+def sensitivity_figure(sensitivity: Sensitivity) -> Figure:
+    """Draw the derivatives as bars, their errors as whiskers: Average on the left, Rear on the right."""
+    from matplotlib.figure import Figure
+
+    n = len(sensitivity.derivatives)
+    height = 1.5 + 0.42 * n
+    figure = Figure(figsize=(10.4, height), dpi=140)
+    figure.text(
+        0.03, 1 - 0.42 / height, sensitivity.name, fontsize=16, fontweight="bold", color=_INK,
+        family=name_fonts(), parse_math=False,
+    )  # fmt: skip
+    words = f"Average {sensitivity.average:.2f} %, Rear {sensitivity.rear:.2f} %. Change by one unit of:"
+    figure.text(0.03, 1 - 0.72 / height, words, fontsize=10.5, color=_GREY)
+    bottom, top = 0.62 / height, 1 - 1.12 / height
+    for column, name in enumerate(("average", "rear")):
+        axes = figure.add_axes((0.25 + 0.38 * column, bottom, 0.345, top - bottom))
+        _draw_bars(axes, sensitivity.derivatives, name)
+        axes.set_title(f"d {name.capitalize()} [%]", loc="left", fontsize=12, fontweight="bold", color=_INK)
+        if column == 0:
+            axes.set_yticks(range(n), [_label(d) for d in sensitivity.derivatives], fontsize=10.5)
+        else:
+            axes.set_yticks([])
+    return figure
+
+
+def _label(derivative: Derivative) -> str:
+    return f"{parameter_name(derivative)} [{'°' if derivative.unit == 'deg' else '%'}]"
+
+
+def _draw_bars(axes: Axes, derivatives: Sequence[Derivative], name: str) -> None:
+    values = np.array([getattr(d, name) for d in derivatives])
+    bounds = np.array([getattr(d, f"{name}_bound") for d in derivatives])
+    rows = np.arange(len(values))
+    axes.barh(rows, values, height=0.62, color=_COLOURS[name])
+    shown = bounds > 0.004 * np.abs(values).max(initial=1e-9)
+    axes.errorbar(
+        values[shown], rows[shown], xerr=bounds[shown], fmt="none", ecolor=_INK, elinewidth=1.0, capsize=2.5
+    )
+    widest = float((np.abs(values) + bounds).max(initial=1e-9))
+    room = 0.42 * widest
+    low, high = min(0.0, float((values - bounds).min())), max(0.0, float((values + bounds).max()))
+    axes.set(xlim=(low - room * (low < 0), high + room * (high > 0)), ylim=(len(values) - 0.4, -0.6))
+    for row, value, bound in zip(rows, values, bounds, strict=True):
+        side = 1 if value >= 0 else -1
+        end = value + side * bound
+        axes.annotate(
+            f"{value:+.2f}".replace("-", "−"), (end, row), xytext=(5 * side, 0), textcoords="offset points",
+            ha="left" if side > 0 else "right", va="center_baseline", fontsize=9.5, color=_INK,
+        )  # fmt: skip
+    axes.axvline(0, color=_INK, linewidth=0.9)
+    kinds = [d.kept for d in derivatives]
+    if "angles" in kinds:
+        axes.axhline(kinds.index("angles") - 0.5, color="#cccccc", linewidth=0.8)
+    axes.spines[["top", "right", "left"]].set_visible(False)
+    axes.tick_params(axis="y", length=0)
+    axes.tick_params(axis="x", labelsize=9.5, length=3, colors=_GREY)
+
+
+def write_sensitivity(sensitivity: Sensitivity, folder: Path, stem: str) -> Path:
+    """Write the figure as `stem`-sensitivity.png, whole or not at all; return its path."""
+    figure = sensitivity_figure(sensitivity)
+    return write_whole(folder, {f"{stem}-sensitivity.png": lambda path: save_png(figure, path)})[0]
