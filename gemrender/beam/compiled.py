@@ -27,7 +27,7 @@ def jit(function: Callable[..., Any]) -> Any:
     options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
     try:
         return numba.njit(cache=True, **options)(function)
-    except RuntimeError:  # numba finds no folder for its cache
+    except (RuntimeError, OSError):  # numba finds no folder that its cache can be written to
         return numba.njit(**options)(function)
 
 

@@ -18,7 +18,9 @@ from gemrender.stone.topology import FACET_KINDS, FACET_NAMES, N_SECTORS
 __all__ = ["FacetStatus", "VirtualFacets", "kernel_rules", "trace_facets"]
 
 #: Beams of a smaller area are trapped [girdle radius^2].
-LEAST_AREA = 1e-12
+LEAST_AREA = 1e-14
+#: Virtual facets of a smaller area do not count among them: slivers that rounding makes [girdle radius^2].
+SMALLEST_FACET = 1e-12
 
 
 class FacetStatus(IntEnum):

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from gemrender.beam.facets import LEAST_AREA, FacetStatus, VirtualFacets, trace_facets
+from gemrender.beam.facets import SMALLEST_FACET, FacetStatus, VirtualFacets, trace_facets
 from gemrender.beam.near_girdle import SETS, STUDENT_T, NearGirdle, sums_by_status
 from gemrender.beam.rays import BANDS, INTENSITY, LOST, MET, REAR, TRAPPED
 from gemrender.beam.solid import BeamStone, beam_stone
@@ -21,7 +21,7 @@ __all__ = ["BOUND_RANGE", "check_bound", "facet_sums", "measure"]
 BOUND_RANGE = (1e-4, 10.0)
 
 #: Rays of a set at first, and at the most.
-_FIRST_RAYS, _MOST_RAYS = 128, 1 << 24
+_FIRST_RAYS, _MOST_RAYS = 64, 1 << 23
 
 
 def check_bound(bound: float) -> float:
@@ -80,13 +80,16 @@ def measure(
         sums = told + near.found()
         each = 100.0 * sums / sums[:, MET:]
         scores, error = each.mean(axis=0), each.std(axis=0, ddof=1) / np.sqrt(SETS)
-        reached = float(STUDENT_T * error.max() + scores[TRAPPED] + scores[LOST])
-        if reached <= wanted or rays >= _MOST_RAYS:
+        unsolved, scatter = float(scores[TRAPPED] + scores[LOST]), float(STUDENT_T * error.max())
+        # No ray more makes less light trapped.
+        allowed = max(wanted - unsolved, 0.5 * wanted)
+        if scatter <= allowed or rays >= _MOST_RAYS:
             break
-        # The error of such sequences falls about as the 3/4th power of their length.
-        rays = int(rays * min(max(1.3 * (reached / wanted) ** (4 / 3), 1.5), 16.0))
+        # The error falls as the 3/4th power of the number of rays, and where they run about the girdle for
+        # long, so that any two of them part, as its root: something between.
+        rays = int(rays * min(max(1.2 * (scatter / allowed) ** 1.6, 1.5), 8.0))
     images, area = facets.images(), float(sums[:, MET].mean())
-    shown = (facets.status != FacetStatus.GIRDLE) & (facets.area > LEAST_AREA)
+    shown = (facets.status != FacetStatus.GIRDLE) & (facets.area > SMALLEST_FACET)
     parts = 16 if len(facets.wedge) else 1
     return Measurement(
         average=float(scores[INTENSITY]),
@@ -94,7 +97,7 @@ def measure(
         bands=scores[BANDS : BANDS + 6],
         trapped=float(scores[TRAPPED]),
         lost=float(scores[LOST]),
-        bound=reached,
+        bound=scatter + unsolved,
         rays=near.rays,
         area=parts * area,
         sizes=np.repeat((100.0 / area * facets.area / images)[shown], images[shown]),

@@ -48,7 +48,7 @@ PROPORTIONS = (
 #: the same ones on both sides, told by their area, which may differ by this share from what it should be.
 _QUOTIENT_STEPS, _SAME_CELLS = (0.05, 0.02, 0.01, 0.005), 0.02
 #: Rays of each set and side at first and at the most, and by how much they are increased.
-_RAYS, _MOST_RAYS, _MORE = 1024, 16384, 4
+_RAYS, _MOST_RAYS, _MORE = 512, 8192, 4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -198,7 +198,7 @@ def sensitivity(
         Seed of the rays near the girdle.
     bound : float
         Wanted bound of every derivative [% per unit]. Rays near the girdle are added until it is reached, but
-        no more than 16384 of each of the eight sets.
+        no more than 8192 of each of the sixteen sets.
     progress : callable, optional
         Called with the share done, 0 to 1.
 
@@ -260,17 +260,16 @@ class _Scored:
         self.told, near = facet_sums(facets), NearGirdle(self.ready, facets, seed)
         self.numbers = numbers or near.numbers(rays)
         near.go_on(self.numbers)
-        self.near, self.is_known, self.cell_area = near.found(), near.is_known, near.cell_area
-
-    @property
-    def area(self) -> float:
-        """Area of the traced part of the view [girdle radius^2]."""
-        return float(self.told[MET] + self.near[:, MET].mean())
+        self.near, self.cell_area, self.area = near.found(), near.cell_area, near.view_area
 
     def scores(self) -> np.ndarray:
         """Average and Rear by each set of rays, (SETS, 2) [%]."""
-        sums = self.told + self.near
-        return np.asarray(100.0 * sums[:, [INTENSITY, REAR]] / sums[:, MET:])
+        return np.asarray(100.0 * (self.told + self.near)[:, [INTENSITY, REAR]] / self.area)
+
+    def near_means(self) -> np.ndarray:
+        """Mean intensity and share of rear light near the girdle, by each set of rays, (SETS, 2) (0 to 1)."""
+        met = self.near[:, MET:]
+        return np.asarray(self.near[:, [INTENSITY, REAR]] / np.where(met > 0, met, 1.0))
 
     def moved(self, parameter: str, by: float, seed: int) -> _Scored:
         """Return the stone with one proportion changed [%], scored by the very same rays."""
@@ -291,13 +290,12 @@ def _slope(base: _Scored, parameter: str, seed: int) -> np.ndarray:
         grown = high.cell_area - low.cell_area - between * cells
         if abs(grown) <= _SAME_CELLS * base.cell_area:
             break
-    near = base.near[:, MET:]
-    means = [side.near[:, [INTENSITY, REAR]] / side.near[:, MET:] for side in (low, base, high)]
-    by_area = -told if base.is_known else (high.near[:, MET:] - low.near[:, MET:]) / between
-    near_slope = means[1] * by_area + near * (means[2] - means[0]) / between
-    area = base.told[MET] + near
-    slope = np.array([light, rear]) + near_slope - base.scores() / LIGHT_LEVEL * (told + by_area)
-    return np.asarray(LIGHT_LEVEL * slope / area)
+    grows = (high.area - low.area) / between
+    near, near_grows = base.area - base.told[MET], grows - told
+    change = (high.near_means() - low.near_means()) / between
+    near_slope = base.near_means() * near_grows + near * change
+    slope = np.array([light, rear]) + near_slope - base.scores() / LIGHT_LEVEL * grows
+    return np.asarray(LIGHT_LEVEL * slope / base.area)
 
 
 def _sides(base: _Scored, parameter: str, step: float, seed: int) -> tuple[_Scored, _Scored, float]:

@@ -1,0 +1,133 @@
+"""Derivatives of exact scores against differences of exact scores."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+
+import numpy as np
+import pytest
+from beam_help import gem
+from exact_tolerances import DERIVATIVE
+from solids import bent_stone
+
+from gemrender.beam import beam_stone, measure
+from gemrender.beam.compiled import STEP
+from gemrender.beam.sensitivity import PROPORTIONS, facet_totals, proportion_planes, sensitivity
+from gemrender.errors import InputError
+from gemrender.observation import Model, View
+from gemrender.stone import RoundBrilliant, Stone, load_stone
+from gemrender.stone.random import random_brilliant
+
+MODEL = Model(fresnel="exact")
+
+
+def moved(proportions, parameter, by):
+    return RoundBrilliant(**{**asdict(proportions), parameter: getattr(proportions, parameter) + by})
+
+
+def assert_derivatives(stone, parameter, view=None):
+    """Compare the derivatives of the sums over virtual facets with central differences of the sums.
+
+    The sums jump where a facet reaches the critical angle, of some stones at every thousandth of a per cent,
+    and differences of small steps have rounding: the step that agrees best counts.
+    """
+    ready = beam_stone(stone)
+    planes = proportion_planes(stone.proportions, parameter)
+    slopes = facet_totals(ready, planes, view=view, model=MODEL).imag / STEP
+    errors = []
+    for step in (1e-3, 1e-4, 1e-5, 3e-6, 1e-6, 3e-7, 1e-7):
+        low, high = (
+            facet_totals(
+                ready,
+                beam_stone(gem(moved(stone.proportions, parameter, by))).solid.planes,
+                view=view,
+                model=MODEL,
+            )
+            for by in (-step, step)
+        )
+        errors.append(np.abs((high - low) / (2 * step) - slopes).max() / np.abs(slopes).max())
+    assert min(errors) <= DERIVATIVE, f"{stone.name}, {parameter}: {min(errors):.1e}"
+
+
+@pytest.mark.parametrize("part", range(5))
+def test01_derivatives_are_central_differences(part):
+    """Rationale: areas and intensities of virtual facets are smooth, and edges that move are part of them.
+
+    Expected: 50 random stones, each proportion: light, rear area, area of virtual facets and of girdle cells
+    change as differences of exact sums say, to 1e-5 of the largest of the four.
+    """
+    rng = np.random.default_rng([11, part])
+    for number in range(10):
+        stone = gem(random_brilliant(rng), number)
+        for parameter in PROPORTIONS:
+            assert_derivatives(stone, parameter)
+
+
+def test02_the_planes_derivative_is_the_planes_difference():
+    proportions = load_stone("inoue-2").proportions
+    for parameter in PROPORTIONS:
+        planes = proportion_planes(proportions, parameter)
+        sides = [beam_stone(gem(moved(proportions, parameter, by))).solid.planes for by in (-1e-4, 1e-4)]
+        np.testing.assert_allclose(planes.imag / STEP, (sides[1] - sides[0]) / 2e-4, atol=1e-9)
+        np.testing.assert_allclose(planes.real, beam_stone(load_stone("inoue-2")).solid.planes, atol=1e-14)
+
+
+def test03_scores_change_as_told():
+    """Sample 3 has next to no light near the girdle: differences of its scores are as its derivatives say."""
+    stone = load_stone("inoue-3")
+    told = sensitivity(stone, model=MODEL)
+    for d in told.derivatives[: len(PROPORTIONS)]:
+        step = 0.01
+        low, high = (
+            measure(gem(moved(stone.proportions, d.parameter, by)), model=MODEL, bound=0.001)
+            for by in (-step, step)
+        )
+        # The same rays on both sides: their errors cancel but for a hundredth.
+        slack = 0.01 * (low.bound + high.bound) / step + 1e-3
+        assert d.average == pytest.approx((high.average - low.average) / (2 * step), abs=slack)
+        assert d.rear == pytest.approx((high.rear - low.rear) / (2 * step), abs=slack)
+        assert d.average_bound < 1e-3
+
+
+def test04_angles_follow_from_heights():
+    report = {"table": 57.0, "crown_angle": 34.0, "pavilion_angle": 40.7, "star": 50.0, "lower_half": 80.0,
+              "girdle_thickness": 2.5}  # fmt: skip
+    told = sensitivity(Stone.from_proportions(RoundBrilliant.from_angles(**report)), model=MODEL)
+    for d in told.derivatives[len(PROPORTIONS) :]:
+        sides = []
+        for by in (-1e-4, 1e-4):
+            changed = {**report, d.parameter: report[d.parameter] + by}
+            sides.append(asdict(RoundBrilliant.from_angles(**changed)))
+        by_chain = sum(
+            e.average * (sides[1][e.parameter] - sides[0][e.parameter]) / 2e-4
+            for e in told.derivatives[: len(PROPORTIONS)]
+        )
+        assert d.average == pytest.approx(by_chain, rel=1e-6)
+        assert d.unit == ("deg" if d.parameter.endswith("angle") else "%")
+
+
+def test05_the_stated_bound_covers_more_rays():
+    stone = load_stone("inoue-2")
+    coarse, fine = (sensitivity(stone, model=MODEL, bound=bound, seed=bound == 10) for bound in (10, 1))
+    for a, b in zip(coarse.derivatives, fine.derivatives, strict=True):
+        assert abs(a.average - b.average) <= a.average_bound + b.average_bound
+        assert abs(a.rear - b.rear) <= a.rear_bound + b.rear_bound
+
+
+def test06_at_the_end_of_a_range_one_side_is_enough():
+    thin = {**asdict(load_stone("inoue-3").proportions), "girdle_thickness": 0.0}
+    told = sensitivity(gem(RoundBrilliant(**thin)), model=MODEL)
+    assert np.isfinite([d.average for d in told.derivatives]).all()
+
+
+@pytest.mark.parametrize("parameter", PROPORTIONS)
+def test07_a_tilted_view_is_differentiated_too(parameter):
+    assert_derivatives(load_stone("inoue-3"), parameter, View(resolution=1, tilt_deg=15, tilt_azimuth_deg=10))
+
+
+@pytest.mark.parametrize(
+    "stone", [bent_stone(-0.003), load_stone("inoue-3").rotated(5)], ids=["bent", "turned"]
+)
+def test08_a_stone_without_proportions_is_refused(stone):
+    with pytest.raises(InputError, match="has no proportions to differentiate by"):
+        sensitivity(stone)

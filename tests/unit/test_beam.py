@@ -1,0 +1,311 @@
+"""The exact engine's parts: closed forms first, then the pieces beside what they stand for."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from beam_help import RIM_SIDES, TOLD_AREA, gem, girdle_heavy_brilliant
+from exact_tolerances import TILING
+from physics_tolerances import ROUNDED_ANGLE, ROUNDING
+from solids import bent_stone
+
+from gemrender.beam import FacetStatus, beam_stone, check_bound, measure, trace_facets
+from gemrender.beam.compiled import STEP
+from gemrender.beam.crossing import EXACT, GUBELIN, crossing_factor, into_air, into_stone
+from gemrender.beam.crossing import transmittance as transmittance_of
+from gemrender.beam.facets import SMALLEST_FACET
+from gemrender.beam.measure import BOUND_RANGE, facet_sums
+from gemrender.beam.near_girdle import NearGirdle
+from gemrender.beam.polygons import area, clip
+from gemrender.beam.rays import BANDS, INTENSITY, MET, REAR
+from gemrender.beam.wall import is_outside, wall_crossing, wall_normal, wall_of
+from gemrender.engines import engine_for, observe, require_engine
+from gemrender.errors import InputError
+from gemrender.observation import Model, View
+from gemrender.optics.fresnel import transmittance
+from gemrender.score import score
+from gemrender.stone import RoundBrilliant, Stone, load_stone
+from gemrender.stone.random import random_brilliant
+
+INDEX = 2.4173
+LAWS = {"exact": EXACT, "gubelin": GUBELIN}
+
+
+# ---- Optics --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_transmittance_is_that_of_the_optics(law):
+    cosines = np.linspace(0.001, 1.0, 997)
+    compiled = [transmittance_of(cos, INDEX, LAWS[law]) for cos in cosines]
+    np.testing.assert_allclose(compiled, transmittance(cosines, INDEX, law), rtol=0, atol=ROUNDED_ANGLE)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_the_complex_step_differentiates_the_transmittance(law):
+    for cos in (0.1, 0.37, 0.8, 0.98):  # of Gübelin's table between two rows
+        step = 1e-5
+        difference = transmittance_of(cos + step, INDEX, LAWS[law]) - transmittance_of(
+            cos - step, INDEX, LAWS[law]
+        )
+        slope = transmittance_of(complex(cos, STEP), INDEX, LAWS[law]).imag / STEP
+        assert slope == pytest.approx(difference / 2 / step, rel=1e-6)
+
+
+def test_refraction_in_and_out_is_the_same_way():
+    normal = np.array([0.48, 0.6, 0.64])
+    into = np.array([0.1, -0.2, -np.sqrt(0.95)])
+    *inside, cos_air, cos_stone = into_stone(*into, *normal, INDEX)
+    assert np.linalg.norm(inside) == pytest.approx(1, abs=ROUNDING)
+    *out, again_air, again_stone = into_air(*(-np.array(inside)), *normal, INDEX)
+    np.testing.assert_allclose(out, -into, atol=ROUNDING)
+    assert (again_air, again_stone) == pytest.approx((cos_air, cos_stone), abs=ROUNDING)
+
+
+def test_straight_through_the_cross_section_does_not_change():
+    normal_incidence = 1 - ((INDEX - 1) / (INDEX + 1)) ** 2
+    for radiance in (False, True):
+        for towards_eye in (False, True):
+            factor = crossing_factor(1.0, 1.0, INDEX, EXACT, radiance, towards_eye)
+            assert factor == pytest.approx(normal_incidence, abs=ROUNDING)
+
+
+# ---- Polygons ------------------------------------------------------------------------------------------
+
+SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+
+
+def test_a_square_has_its_area_and_loses_half_of_it_to_a_diagonal():
+    out = np.empty((8, 2))
+    assert area(SQUARE, 4) == 1
+    n = clip(SQUARE, 4, 0.0, 1.0, -1.0, out)  # u <= v
+    assert area(out, n) == 0.5
+
+
+def test_both_sides_of_a_cut_make_the_whole(rng):
+    out = np.empty((8, 2))
+    for a, b, c in rng.normal(0, 0.5, (100, 3)):
+        parts = [area(out, n) if (n := clip(SQUARE, 4, s * a, s * b, s * c, out)) else 0.0 for s in (1, -1)]
+        assert sum(parts) == pytest.approx(1, abs=ROUNDING)
+
+
+def test_the_area_of_a_moving_edge_has_its_derivative():
+    """A unit square cut at u = t has the area t, and its derivative is the edge's length."""
+    out = np.empty((8, 2), dtype=complex)
+    t = complex(0.3, STEP)
+    n = clip(SQUARE.astype(complex), 4, -t, 1.0 + 0j, 0.0 + 0j, out)
+    assert area(out, n) == pytest.approx(0.3)
+    assert area(out, n).imag / STEP == pytest.approx(1)
+
+
+# ---- Stones --------------------------------------------------------------------------------------------
+
+
+def test_a_perfect_stone_is_57_planes_and_a_bent_one_has_more():
+    assert len(beam_stone(load_stone("inoue-3")).solid.planes) == 57
+    assert len(beam_stone(bent_stone(-0.003)).solid.planes) == 57 + 8
+
+
+def test_a_hollow_stone_is_refused_by_name_and_told_what_can_trace_it():
+    with pytest.raises(InputError) as caught:
+        beam_stone(bent_stone(0.003, name="hollow"))
+    words = str(caught.value)
+    assert words.startswith("hollow: is hollow beside facet pavilion_main_")
+    assert words.endswith("the engines mitsuba and reference trace this one")
+
+
+def test_hollows_of_rounded_digits_are_traced():
+    vertices = np.round(load_stone("inoue-3").vertices, 6)
+    rounded = score(Stone.from_vertices(vertices, name="rounded"), engine="exact")
+    perfect = score(load_stone("inoue-3"), engine="exact")
+    assert rounded.average == pytest.approx(perfect.average, abs=rounded.bound + perfect.bound)
+    assert rounded.rear == pytest.approx(perfect.rear, abs=rounded.bound + perfect.bound)
+
+
+@pytest.mark.parametrize(("culet", "engine"), [(-0.003, "exact"), (0.003, "mitsuba")])
+def test_auto_is_exact_for_convex_stones_and_mitsuba_for_others(culet, engine):
+    assert engine_for("auto", bent_stone(culet)) == engine
+
+
+def test_an_engine_that_is_asked_for_is_taken():
+    assert [engine_for(e, bent_stone(0.003)) for e in ("exact", "reference")] == ["exact", "reference"]
+    with pytest.raises(InputError, match="hollow"):
+        require_engine("exact", stones=[bent_stone(0.003, name="hollow")])
+
+
+@pytest.mark.parametrize("stretched", [1.0, 1.03])
+def test_walls_stand_inside_the_girdle(stretched):
+    stone = bent_stone(-0.003, stretched=stretched)
+    solid = beam_stone(stone).solid
+    azimuth = np.linspace(0, 2 * np.pi, 20_001)
+    x, y = np.cos(azimuth), np.sin(azimuth)
+    reach = (solid.walls[:, 2:] / np.maximum(solid.walls[:, :2] @ [x, y], 1e-9)).min(axis=0)
+    for z in (-0.02, 0.0, 0.025, 0.05, 0.07):  # scallops reach beyond the girdle's heights
+        assert (reach <= stone.girdle.radius(x, y, np.full_like(x, z)) + ROUNDING).all()
+
+
+# ---- A measured wall -----------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def oval():
+    return bent_stone(-0.003, stretched=1.03)
+
+
+def test_the_wall_is_the_stones_girdle(oval, rng):
+    wall, girdle = wall_of(oval.girdle), oval.girdle
+    azimuth, z = rng.uniform(-np.pi, np.pi, 500), rng.uniform(-0.01, 0.06, 500)
+    x, y = np.cos(azimuth), np.sin(azimuth)
+    radius = girdle.radius(x, y, z)
+    points = np.column_stack([radius * x, radius * y, z])
+    compiled = np.array([wall_normal(wall, *point) for point in points])
+    np.testing.assert_allclose(compiled, girdle.normals(points), atol=ROUNDED_ANGLE)
+    for point in points:
+        assert is_outside(wall, *(point * (1 + 1e-9, 1 + 1e-9, 1)))
+        assert not is_outside(wall, *(point * (1 - 1e-9, 1 - 1e-9, 1)))
+
+
+def test_a_ray_crosses_the_wall_where_it_is(oval, rng):
+    wall = wall_of(oval.girdle)
+    for _ in range(200):
+        origin = np.append(rng.uniform(-0.5, 0.5, 2), rng.uniform(0.01, 0.04))
+        azimuth = rng.uniform(-np.pi, np.pi)
+        t = wall_crossing(wall, *origin, np.cos(azimuth), np.sin(azimuth), 0.0, 0.0, np.inf, True)
+        x, y, z = origin + t * np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
+        assert np.hypot(x, y) == pytest.approx(
+            oval.girdle.radius(np.array(x), np.array(y), np.array(z)), abs=1e-12
+        )
+
+
+# ---- Virtual facets ------------------------------------------------------------------------------------
+
+
+def test_sample_3_falls_into_552():
+    assert len(trace_facets(load_stone("inoue-3"))) == 552
+    assert len(measure(load_stone("inoue-3")).sizes) == 552
+
+
+@pytest.mark.parametrize("name", ["inoue-1", "inoue-2", "inoue-3", "fish-eye", "nail-head", "tolkowsky"])
+def test_a_sixteenth_stands_for_the_whole(name):
+    stone = load_stone(name)
+    whole, part = trace_facets(stone), trace_facets(stone, whole=False)
+    np.testing.assert_allclose(16 * facet_sums(part), facet_sums(whole), rtol=0, atol=TILING)
+    shown = (part.status == FacetStatus.EXITED) & (part.area > SMALLEST_FACET)
+    assert part.images()[shown].sum() == (whole.status == FacetStatus.EXITED).sum()
+
+
+def test_a_turned_stone_is_traced_whole():
+    assert beam_stone(load_stone("inoue-3")).symmetric
+    assert not beam_stone(load_stone("inoue-3").rotated(10)).symmetric
+    assert len(trace_facets(load_stone("inoue-3").rotated(10), whole=False)) == 552
+
+
+def test_symmetric_stones_tilt_into_whole_views():
+    tilted = View(resolution=1, tilt_deg=10)
+    assert len(trace_facets(load_stone("inoue-3"), view=tilted, whole=False).wedge) == 0
+
+
+@pytest.mark.parametrize("heavy", [False, True])
+def test_nothing_is_lost(heavy, rng):
+    """Emitted, trapped and girdle cells make what the rim's walls hold; 200 stones are a system test."""
+    stone = gem(girdle_heavy_brilliant(rng) if heavy else random_brilliant(rng))
+    assert len(beam_stone(stone).solid.rim) == RIM_SIDES
+    assert trace_facets(stone).area.sum() == pytest.approx(TOLD_AREA, abs=TILING)
+
+
+def test_too_many_reflections_are_trapped_and_counted():
+    model = Model(max_reflections=2)
+    facets = trace_facets(load_stone("inoue-2"), model=model)
+    trapped = facets.status == FacetStatus.TRAPPED
+    assert (facets.reflections[trapped] == 2).all()
+    assert facets.area.sum() == pytest.approx(TOLD_AREA, abs=TILING)
+    found = measure(load_stone("inoue-2"), model=model, bound=10.0)
+    share = 100 * facets.area[trapped].sum() / np.pi
+    assert share > 1
+    assert found.trapped >= share  # and more near the girdle
+    assert found.bound >= found.trapped
+
+
+def test_a_path_is_told_from_the_eye():
+    facets = trace_facets(load_stone("inoue-3"))
+    kinds = load_stone("inoue-3").facet_kinds
+    for i in range(len(facets)):
+        path = facets.path(i)
+        assert len(path) == facets.reflections[i] + 2
+        assert kinds[path[0]] in ("table", "star", "bezel", "upper_girdle")
+
+
+# ---- Scores --------------------------------------------------------------------------------------------
+
+
+def test_shares_make_100():
+    found = measure(load_stone("inoue-2"))
+    assert found.bands.sum() + found.rear + found.trapped + found.lost == pytest.approx(100, abs=1e-9)
+    assert found.sizes.sum() + found.girdle == pytest.approx(100, abs=1e-9)
+
+
+def test_a_seed_repeats_and_another_agrees_within_the_bounds():
+    stone = load_stone("inoue-2")
+    first, again, other = (measure(stone, seed=seed) for seed in (1, 1, 2))
+    assert (first.average, first.rear, first.bound) == (again.average, again.rear, again.bound)
+    assert first.average != other.average
+    assert first.average == pytest.approx(other.average, abs=first.bound + other.bound)
+    assert first.rear == pytest.approx(other.rear, abs=first.bound + other.bound)
+
+
+def test_a_smaller_bound_is_reached_by_more_rays():
+    wide, narrow = (measure(load_stone("inoue-2"), bound=bound) for bound in (0.5, 0.02))
+    assert wide.bound <= 0.5
+    assert narrow.bound <= 0.02
+    assert narrow.rays > wide.rays
+    assert wide.average == pytest.approx(narrow.average, abs=wide.bound + narrow.bound)
+
+
+def test_threads_change_nothing():
+    """More rays than one thread is given; the sets are the same whoever follows them."""
+    stone = beam_stone(load_stone("inoue-2"))
+    near = [NearGirdle(stone, trace_facets(stone, whole=False), seed=1) for _ in range(2)]
+    near[0].go_on((4000, 100))
+    for numbers in ((1000, 50), (2500, 75), (4000, 100)):
+        near[1].go_on(numbers)
+    np.testing.assert_allclose(near[0].found(), near[1].found(), rtol=0, atol=TILING)
+    assert near[0].rays == near[1].rays
+
+
+@pytest.mark.parametrize("bound", [0, -1, 11, float("nan"), True, "small", None])
+def test_a_bound_out_of_range_is_refused(bound):
+    low, high = BOUND_RANGE
+    with pytest.raises(InputError, match=rf"must be from {low:g} to {high:g} \[%\]"):
+        check_bound(bound)
+
+
+def test_a_score_tells_what_made_it():
+    found = score(load_stone("inoue-3"), engine="exact")
+    assert (found.engine, found.variant, found.resolution) == ("exact", "", None)
+    assert found.bound <= 0.05
+    assert found.facets.number == 552
+    assert sum(number for _, number, _ in found.facets.classes) == 552
+    assert sum(share for *_, share in found.facets.classes) + found.facets.near_girdle == pytest.approx(100)
+
+
+def test_the_score_of_maps_is_the_exact_one():
+    stone = load_stone("inoue-3")
+    maps = observe(stone, engine="exact", resolution=16)
+    assert maps.measured.average == score(stone, engine="exact").average
+
+
+def test_average_is_made_of_intensity_and_area():
+    facets = trace_facets(load_stone("inoue-3"))
+    sums = facet_sums(facets)
+    assert 100 * sums[INTENSITY] == pytest.approx(facets.area @ facets.primary_intensity)
+    assert sums[REAR] == pytest.approx(facets.area[facets.rear_mask].sum())
+    assert sums[BANDS : BANDS + 6].sum() + sums[REAR] == pytest.approx(sums[MET])
+
+
+def test_a_stone_of_no_girdle_height_is_scored():
+    thin = RoundBrilliant(
+        table=57, star=50, lower_girdle_contact=20, crown_height=14.5, pavilion_depth=43, girdle_thickness=0
+    )
+    exact = score(gem(thin), engine="exact")
+    seen = score(gem(thin), engine="reference", resolution=256)
+    assert exact.average == pytest.approx(seen.average, abs=0.25)
