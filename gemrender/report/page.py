@@ -29,8 +29,8 @@ from gemrender.optics.fresnel import GUBELIN_ANGLES_DEG, GUBELIN_REFLECTED, crit
 from gemrender.report.dimensions import dimensions
 from gemrender.report.displays.ray_colours import RAY_COLOURS
 from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR
-from gemrender.report.tables import band_name, how_text, model_text
-from gemrender.score import score_observation
+from gemrender.report.tables import LEAST_SHOWN, band_name, how_text, model_text
+from gemrender.score import Score, score_observation
 from gemrender.stone import Stone, tessellate
 from gemrender.stone.topology import (
     FACET_NAMES,
@@ -54,6 +54,8 @@ MAP_PIXELS = 1024
 INTENSITY_STEPS = 200
 #: Codes of a pixel that has no intensity: rear light, neither (trapped or lost), outside the stone.
 _REAR, _UNSOLVED, _OUTSIDE = 65001, 65002, 65003
+#: Most virtual facets that are outlined: each takes some 60 bytes.
+MOST_OUTLINES = 20_000
 #: Straight pieces of each girdle arc in the drawing.
 _ARC_SEGMENTS = 8
 
@@ -254,12 +256,14 @@ def _scored(observation: Observation) -> dict[str, Any]:
     how = how_text(result)
     if result.tilt_deg:
         how += f", the eye tilted by {result.tilt_deg:g}° towards azimuth {result.tilt_azimuth_deg:g}°"
+    unsolved = result.trapped + result.lost
     return {
         "map": _map(observation),
+        "virtualFacets": _virtual_facets(observation, result),
         "score": {
             "average": result.average,
             "rear": result.rear,
-            "unsolved": result.trapped + result.lost,
+            "unsolved": unsolved if unsolved >= LEAST_SHOWN else 0,
             "bands": [
                 {"name": band_name(band, typeset=True), "low": band.low, "share": band.share}
                 for band in result.bands
@@ -270,6 +274,17 @@ def _scored(observation: Observation) -> dict[str, Any]:
         "modelText": model_text(result),
         "engineText": how,
     }
+
+
+def _virtual_facets(observation: Observation, result: Score) -> dict[str, Any] | None:
+    """Return the virtual facets' number and outlines, x, y, x, y ... of each, where the engine knows them."""
+    if result.facets is None:
+        return None
+    from gemrender.beam import trace_facets
+
+    facets = trace_facets(observation.stone, view=observation.view, model=observation.model)
+    outlines = [facets.polygon(i).round(4).ravel().tolist() for i in range(min(len(facets), MOST_OUTLINES))]
+    return {"number": result.facets.number, "outlines": outlines}
 
 
 def _map(observation: Observation) -> dict[str, Any]:

@@ -19,6 +19,7 @@ from observations import observation as made_observation
 from typer.testing import CliRunner
 
 from gemrender.cli.report import report
+from gemrender.engines import observe as observe_by
 from gemrender.errors import InputError
 from gemrender.observation import Observation, RayStatus
 from gemrender.reference import observe, trace_paths
@@ -526,3 +527,33 @@ def test17_the_command(tmp_path):
     assert [stone["name"] for stone in told["stones"]] == ["Inoue sample 3", "Inoue sample 1"]
     for wrong in (["inoue-3"] * 500, ["inoue-3", "--out", str(tmp_path)]):
         assert isinstance(CliRunner().invoke(app, wrong).exception, InputError)
+
+
+@pytest.fixture(scope="module")
+def exact() -> Observation:
+    return observe_by(load_stone("inoue-3"), engine="exact", resolution=RESOLUTION)
+
+
+def test17_virtual_facets_are_outlined_where_the_engine_knows_them(exact, observed):
+    known, unknown = page_data(report_html([exact, observed["inoue-1"]]))["stones"]
+    assert unknown["virtualFacets"] is None
+    assert known["virtualFacets"]["number"] == exact.measured.sizes.size == 552
+    areas = []
+    for outline in known["virtualFacets"]["outlines"]:
+        x, y = np.reshape(outline, (-1, 2)).T
+        areas.append(0.5 * (x @ np.roll(y, -1) - y @ np.roll(x, -1)))
+    # Corners have four digits, and a few thousand of them move areas by their edges' lengths.
+    assert sum(areas) == pytest.approx(np.pi, abs=1e-3)
+
+
+def test18_a_button_shows_the_virtual_facets(opened, exact, tmp_path):
+    seen = opened(write_report([exact], tmp_path / "exact.html"))
+    canvas, button = seen.canvas("map"), seen.page.locator("[data-virtual]")
+    assert button.inner_text() == "552 virtual facets"
+    canvas.evaluate(PIXELS)
+    button.click()
+    seen.page.wait_for_timeout(200)
+    changed = canvas.evaluate(PIXELS)["changed"]
+    assert changed > 2000
+    assert button.get_attribute("aria-pressed") == "true"
+    assert seen.errors == []

@@ -608,7 +608,7 @@
                 `Intensity map of ${card.stone.name}, seen from above. Arrow keys move the point whose ray is shown.`,
             );
             this.picture = card.map.picture(card.stone);
-            this.withLines = false;
+            this.withLines = this.withVirtual = false;
             this.halfWidth = (card.map.size * card.map.pitch) / 2;
             this.listen();
         }
@@ -644,6 +644,17 @@
                 }
                 context.lineWidth = 1;
                 context.strokeStyle = 'rgb(255 255 255 / 0.75)';
+                context.stroke();
+            }
+            if (this.withVirtual) {
+                context.beginPath();
+                for (const outline of stone.virtualFacets.outlines) {
+                    context.moveTo(...toCanvas(outline[0], outline[1]));
+                    for (let k = 2; k < outline.length; k += 2) context.lineTo(...toCanvas(outline[k], outline[k + 1]));
+                    context.closePath();
+                }
+                context.lineWidth = 0.7;
+                context.strokeStyle = 'rgb(0 0 0 / 0.6)';
                 context.stroke();
             }
             if (path === null) return;
@@ -710,12 +721,20 @@
                 const { row, column } = this.card.pixel;
                 choose(map.point({ row: inside(row + rows), column: inside(column + columns) }));
             });
-            const button = find(this.root, '[data-lines]');
-            button.addEventListener('click', () => {
-                this.withLines = !this.withLines;
-                button.setAttribute('aria-pressed', String(this.withLines));
-                this.card.redraw();
-            });
+            const { virtualFacets } = this.card.stone;
+            for (const [name, property] of [['lines', 'withLines'], ['virtual', 'withVirtual']]) {
+                const button = find(this.root, `[data-${name}]`);
+                if (name === 'virtual' && virtualFacets === null) {
+                    button.remove();
+                    continue;
+                }
+                if (name === 'virtual') button.textContent = `${virtualFacets.number} virtual facets`;
+                button.addEventListener('click', () => {
+                    this[property] = !this[property];
+                    button.setAttribute('aria-pressed', String(this[property]));
+                    this.card.redraw();
+                });
+            }
         }
     }
 
