@@ -1,6 +1,6 @@
 """Compare stones from Python; without arguments, the paper's section 4: three samples, paper beside program.
 
-python scripts/score_comparisons.py [STONE ...] [--resolution 1024] [--out FOLDER]
+python scripts/score_comparisons.py [STONE ...] [--engine auto] [--resolution 1024] [--out FOLDER]
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ import argparse
 from pathlib import Path
 
 import gemrender
+from gemrender.engines import DEFAULT_ENGINE, ENGINES
 from gemrender.report.comparison import comparison_figure, difference_figure, format_scores, panel
 
 #: What the paper prints of its samples (section 4).
@@ -23,13 +24,16 @@ def main() -> None:
     """Trace, print, and draw if asked to."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("stones", nargs="*", metavar="STONE", help="stone files, or names of bundled stones")
+    parser.add_argument("--engine", choices=ENGINES, default=DEFAULT_ENGINE)
     parser.add_argument("--resolution", type=int, default=1024)
     parser.add_argument("--out", type=Path, metavar="FOLDER", help="where to put the figures")
     options = parser.parse_args()
 
     names = options.stones or list(PAPER)
     stones = [gemrender.load_stone(name) for name in names]
-    observations = [gemrender.observe(stone, resolution=options.resolution) for stone in stones]
+    observations = [
+        gemrender.observe(stone, engine=options.engine, resolution=options.resolution) for stone in stones
+    ]
     panels = [panel(observation) for observation in observations]
     scores = [score for score, _ in panels]
 
