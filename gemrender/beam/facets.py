@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import Any
 
 import numpy as np
 
+from gemrender.beam.compiled import jit
 from gemrender.beam.crossing import EXACT, GUBELIN
 from gemrender.beam.polygons import EXITED, GIRDLE_CELL, TRAPPED, trace_polygons
 from gemrender.beam.rules import Rules
@@ -111,10 +113,19 @@ class VirtualFacets:
         """
         if not len(self.wedge):
             return np.ones(len(self), dtype=np.int64)
-        fixed = np.empty((len(self.nodes), 2), dtype=bool)
-        for node, (parent, facet) in enumerate(self.nodes):  # parents come first
-            fixed[node] = _FIXED[facet] if parent < 0 else _FIXED[facet] & fixed[parent]
+        fixed = _all_along(self.nodes, _FIXED)
         return np.asarray(np.array([16, 8, 8, 1])[fixed[self.node] @ np.array([1, 2])])
+
+
+@jit
+def _all_along(nodes: Any, of_facet: Any) -> Any:
+    """Whether something holds of all facets on the path to each node (k, 2), from whether it does of each."""
+    out = np.empty((len(nodes), of_facet.shape[1]), np.bool_)
+    for node in range(len(nodes)):  # parents come first
+        parent, facet = nodes[node]
+        for k in range(of_facet.shape[1]):
+            out[node, k] = of_facet[facet, k] and (parent < 0 or out[parent, k])
+    return out
 
 
 def _fixed_facets() -> np.ndarray:

@@ -41,10 +41,12 @@ CELLS, RIM = 0, 1
 
 _PLASTIC = 1.3247179572447460
 _STEPS = np.array([1 / _PLASTIC, 1 / _PLASTIC**2])
+#: A share of the view that is small, and the fewest rays of a set.
+_SMALL, _FEWEST = 2e-3, 8
 #: Rays of a set that are traced at a time, between two reports of progress.
-_BLOCK = 1 << 16
+_BLOCK = 1 << 14
 #: Fewer rays than this are not worth a thread.
-_THREAD_RAYS = 20_000
+_THREAD_RAYS = 3_000
 
 
 class NearGirdle:
@@ -77,45 +79,56 @@ class NearGirdle:
         self._ready, self._basis, self._rules = ready, facets.view.basis(), kernel_rules(facets.model)
         self._shifts = np.random.default_rng(seed).random((SETS, 2, 2))
         self.sums, self.rays, self._done = np.zeros((SETS, 2, N_SUMS)), 0, [0, 0]
-        self._regions: tuple[_Region, _Region] = (_Cells(facets), _Rim(facets))
-        self.cell_area = self._regions[CELLS].area
+        cells = _Cells(facets)
+        self._regions: tuple[_Region, _Region] = (cells, _Rim(facets))
+        self.cell_area = cells.area
         parts = 16 if len(facets.wedge) else 1
         self.view_area = view_area(facets.stone, facets.view) / parts
         self.rim_area = max(self.view_area - float(facets.area.sum()), 0.0)
 
     def numbers(self, rays: int) -> tuple[int, int]:
-        """Share out a set's rays between the girdle cells and the rim, by their areas."""
-        share = self.cell_area / (self.cell_area + self.rim_area) if self.cell_area > 0 else 0.0
-        on_rim = max(8, round((1 - share) * rays)) if self.rim_area > 0 else 0
-        return max(8, round(share * rays)) if share else 0, on_rim
+        """Share out a set's rays between the girdle cells and the rim, by their areas.
+
+        Where both together are but a small part of the view, less than all of them are enough.
+        """
+        whole = self.cell_area + self.rim_area + _SMALL * self.view_area
+        cells, rim = (
+            max(_FEWEST, round(rays * area / whole)) if area > 0 else 0
+            for area in (self.cell_area, self.rim_area)
+        )
+        return cells, rim
 
     def go_on(self, numbers: tuple[int, int], progress: Callable[[float], None] | None = None) -> None:
         """Go on until each set has so many rays in the girdle cells and on the rim."""
-
-        def one_set(number: int) -> int:
-            rays = 0
-            for k, region in enumerate(self._regions):
-                total = self.sums[number, k] * self._done[k]
-                for first in range(self._done[k], numbers[k], _BLOCK):
-                    last = min(first + _BLOCK, numbers[k])
-                    steps = np.arange(first + 1, last + 1)[:, None] * _STEPS
-                    points, weights = region.points((self._shifts[number, k] + steps) % 1.0)
-                    total += (last - first) * sum_rays(
-                        points, weights, self._basis, self._ready.solid, self._ready.facet, self._rules
-                    )
-                    rays += len(points)
-                self.sums[number, k] = total / max(numbers[k], 1)
-            return rays
-
-        if SETS * (sum(numbers) - sum(self._done)) < _THREAD_RAYS:
-            self.rays += sum(one_set(number) for number in range(SETS))
-        else:
-            with ThreadPoolExecutor(os.cpu_count()) as pool:
-                for done, rays in enumerate(pool.map(one_set, range(SETS)), start=1):
-                    self.rays += rays
-                    if progress is not None:
-                        progress(done / SETS)
+        for k, region in enumerate(self._regions):
+            total = self.sums[:, k] * self._done[k]
+            for first in range(self._done[k], numbers[k], _BLOCK):
+                last = min(first + _BLOCK, numbers[k])
+                steps = np.arange(first + 1, last + 1)[:, None] * _STEPS
+                total += (last - first) * self._trace(region, (self._shifts[:, k, None] + steps) % 1.0)
+                if progress is not None:
+                    progress(last / numbers[k])
+            self.sums[:, k] = total / max(numbers[k], 1)
         self._done = list(numbers)
+
+    def _trace(self, region: _Region, unit: np.ndarray) -> np.ndarray:
+        """Follow the rays of all sets through points of the unit square (SETS, n, 2); (SETS, N_SUMS)."""
+
+        def some_sets(part: np.ndarray) -> np.ndarray:
+            n = part.shape[1]
+            points, weights, of = region.points(part.reshape(-1, 2))
+            return np.asarray(
+                sum_rays(
+                    points, weights / n, of // n, len(part),
+                    self._basis, self._ready.solid, self._ready.facet, self._rules,
+                )
+            )  # fmt: skip
+
+        self.rays += unit.shape[0] * unit.shape[1]
+        if unit.shape[0] * unit.shape[1] < _THREAD_RAYS:
+            return some_sets(unit)
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            return np.concatenate(list(pool.map(some_sets, np.array_split(unit, 2 * (os.cpu_count() or 1)))))
 
     def found(self) -> np.ndarray:
         """Return what each set has found in both regions together, (SETS, N_SUMS) [girdle radius^2].
@@ -130,10 +143,17 @@ class NearGirdle:
 class _Region(Protocol):
     """A part of the view that points can be spread over."""
 
-    area: float
+    def points(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Spread points of the unit square (n, 2) over it.
 
-    def points(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Spread points of the unit square (n, 2) over it; their places (m, 2), and what each counts (m,)."""
+        Returns
+        -------
+        places : (m, 2) float64
+        weights : (m,) float64
+            What each counts, if there were but one point in the unit square.
+        of : (m,) int64
+            The point of the unit square that each was made from.
+        """
         ...
 
 
@@ -150,14 +170,15 @@ class _Cells:
         self._upto = np.cumsum(0.5 * np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]))
         self.area = float(self._upto[-1]) if len(self._upto) else 0.0
 
-    def points(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def points(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         x = unit[:, 0] * self.area
         k = np.minimum(np.searchsorted(self._upto, x, side="right"), len(self._upto) - 1)
         below = np.where(k > 0, self._upto[k - 1], 0.0)
         across = np.sqrt(np.clip((x - below) / (self._upto[k] - below), 0.0, 1.0))[:, None]
         along = unit[:, 1:]
         a, b, c = self._triangles[k].transpose(1, 0, 2)
-        return (1 - across) * a + across * ((1 - along) * b + along * c), np.full(len(x), self.area / len(x))
+        places = (1 - across) * a + across * ((1 - along) * b + along * c)
+        return places, np.full(len(x), self.area), np.arange(len(x))
 
 
 class _Rim:
@@ -173,15 +194,13 @@ class _Rim:
         if len(facets.wedge):
             self._azimuth = np.pi / 16 + 0.05
             self._low, self._high = np.sin(-self._azimuth), np.sin(np.pi / 8 - self._azimuth)
-        grid = (np.arange(64) + 0.5) / 64
-        self.area = float(self.points(np.column_stack([grid, grid]))[1].sum())
 
-    def points(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def points(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         facets, across = self._facets, self._low + (self._high - self._low) * unit[:, 0]
-        points, lengths = rim_points(
+        places, lengths, lines = rim_points(
             facets.covered, facets.covered_ends, facets.wedge, self._reach, self._azimuth, across, unit[:, 1]
         )
-        return points, lengths * ((self._high - self._low) / len(unit))
+        return places, lengths * (self._high - self._low), lines
 
 
 def sums_by_status(

@@ -39,20 +39,24 @@ def rim_points(
         Places in the view [girdle radius].
     lengths : (m,) float64
         Length of the gap of each [girdle radius].
+    lines : (m,) int64
+        The line that each lies on.
     """
     gaps = np.empty((len(covered_ends) + 1, 2))
     points, lengths, n = np.empty((4 * len(across), 2)), np.empty(4 * len(across)), 0
+    lines = np.empty(len(lengths), np.int64)
     cos, sin = np.cos(azimuth), np.sin(azimuth)
     for line in range(len(across)):
         n_gaps = _gaps(covered, covered_ends, wedge, reach, cos, sin, across[line], gaps)
         while n + n_gaps > len(lengths):
             points, lengths = np.concatenate((points, points)), np.concatenate((lengths, lengths))
+            lines = np.concatenate((lines, lines))
         for k in range(n_gaps):
             s = gaps[k, 0] + along[line] * (gaps[k, 1] - gaps[k, 0])
             points[n, 0], points[n, 1] = s * cos - across[line] * sin, s * sin + across[line] * cos
-            lengths[n] = gaps[k, 1] - gaps[k, 0]
+            lengths[n], lines[n] = gaps[k, 1] - gaps[k, 0], line
             n += 1
-    return points[:n], lengths[:n]
+    return points[:n], lengths[:n], lines[:n]
 
 
 @jit
@@ -83,6 +87,8 @@ def _gaps(
     spans = np.empty((len(covered_ends), 2))
     n, begin = 0, 0
     for i in range(len(covered_ends)):
+        if covered_ends[i] == begin:
+            continue
         a, b = _chord(covered[begin : covered_ends[i]], cos, sin, across)
         begin = covered_ends[i]
         if b <= a:

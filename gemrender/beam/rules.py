@@ -26,6 +26,8 @@ class Solid(NamedTuple):
         Outward unit normals and offsets of the facets' planes [girdle radius].
     values : (p, 4) float64
         The same without derivatives.
+    columns : (4, p) float64
+        The same, transposed.
     walls : (w, 3) float64
         Normals (x, y) and offsets of upright planes inside the girdle, which beams inside the stone meet.
     rim : (w', 3) float64
@@ -36,6 +38,7 @@ class Solid(NamedTuple):
 
     planes: Any
     values: Any
+    columns: Any
     walls: Any
     rim: Any
     wall: Wall

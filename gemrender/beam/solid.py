@@ -67,7 +67,7 @@ def beam_stone(stone: Stone) -> BeamStone:
         walls = rim = _measured_chords(stone.girdle)
     return BeamStone(
         stone=stone,
-        solid=Solid(planes, planes, walls, rim, wall_of(stone.girdle)),
+        solid=Solid(planes, planes, np.ascontiguousarray(planes.T), walls, rim, wall_of(stone.girdle)),
         facet=np.append(facet, len(FACET_NAMES) - 1),
         symmetric=stone.proportions is not None and not stone.is_half_spaces,
     )
