@@ -92,6 +92,11 @@ class VirtualFacets:
     def __len__(self) -> int:
         return len(self.starts)
 
+    @property
+    def is_counted(self) -> np.ndarray:
+        """(n,) bool: which of them count as virtual facets: not girdle cells, nor slivers of rounding."""
+        return np.asarray((self.status != FacetStatus.GIRDLE) & (self.area > SMALLEST_FACET))
+
     def polygon(self, i: int) -> np.ndarray:
         """Return the corners of a virtual facet, (k, 2) [girdle radius]."""
         return self.corners[self.starts[i] : self.ends[i]]

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from gemrender.beam.facets import SMALLEST_FACET, FacetStatus, VirtualFacets, trace_facets
+from gemrender.beam.facets import VirtualFacets, trace_facets
 from gemrender.beam.near_girdle import SETS, STUDENT_T, NearGirdle, sums_by_status
 from gemrender.beam.rays import BANDS, INTENSITY, LOST, MET, REAR, TRAPPED
 from gemrender.beam.solid import BeamStone, beam_stone
@@ -89,7 +89,7 @@ def measure(
         # long, so that any two of them part, as its root: something between.
         rays = int(rays * min(max(1.2 * (scatter / allowed) ** 1.6, 1.5), 8.0))
     images, area = facets.images(), float(sums[:, MET].mean())
-    shown = (facets.status != FacetStatus.GIRDLE) & (facets.area > SMALLEST_FACET)
+    counted = facets.is_counted
     parts = 16 if len(facets.wedge) else 1
     return Measurement(
         average=float(scores[INTENSITY]),
@@ -100,7 +100,7 @@ def measure(
         bound=scatter + unsolved,
         rays=near.rays,
         area=parts * area,
-        sizes=np.repeat((100.0 / area * facets.area / images)[shown], images[shown]),
+        sizes=np.repeat((100.0 / area * facets.area / images)[counted], images[counted]),
         girdle=100.0 * (1.0 - told[MET] / area),
         seconds=time.perf_counter() - start,
     )

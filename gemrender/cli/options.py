@@ -69,7 +69,8 @@ ARGUMENTS = {
         key: f"--{key.replace('_', '-')}"
         for key in (
             "engine", "variant", "resolution", "fresnel", "rear", "intensity", "tilt", "tilt_azimuth",
-            "random", "seed", "out", "draws", "bound", "jitter", "what", "at", "azimuth", "rays", "format",
+            "random", "seed", "out", "draws", "bound", "jitter", "what", "at", "azimuth", "rays", "colour",
+            "format",
         )
     },
 }  # fmt: skip

@@ -1,10 +1,10 @@
-"""The command `show`: the paper's displays as files."""
+"""The command `show`: displays of stones as files."""
 
 from __future__ import annotations
 
 import math
 import re
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -26,12 +26,21 @@ from gemrender.cli.options import (
 )
 from gemrender.cli.output import progress_bar, say
 from gemrender.engines import DEFAULT_ENGINE, DEFAULT_VARIANT
-from gemrender.errors import InputError
+from gemrender.errors import BackendError, InputError
+
+if TYPE_CHECKING:
+    from gemrender.stone import Stone
 
 __all__ = ["show"]
 
-_WHATS = ("outline", "vertices", "shape", "triangles", "rays", "fan", "map")
-_FORMATS = {"png": ("png",), "svg": ("svg",), "both": ("png", "svg")}
+_WHATS = ("outline", "vertices", "shape", "triangles", "rays", "fan", "map", "facets")
+_FORMATS = {
+    "png": ("png",),
+    "svg": ("svg",),
+    "both": ("png", "svg"),
+    "pdf": ("pdf",),
+    "all": ("png", "svg", "pdf"),
+}
 
 
 def show(
@@ -55,6 +64,14 @@ def show(
         ),
     ] = "0",
     rays: Annotated[str, typer.Option(metavar="NUMBER", help="Rays of the fan.")] = "24",
+    colour: Annotated[
+        str,
+        typer.Option(
+            metavar="intensity|reflections|facet",
+            help="What the colours of virtual facets tell: intensity, number of reflections, or the kind of "
+            "facet that the light comes in through.",
+        ),
+    ] = "intensity",
     out: Annotated[str, typer.Option(metavar="FOLDER", help="Where to write the pictures.")] = ".",
     form: Annotated[
         str, typer.Option("--format", metavar="|".join(_FORMATS), help="Format of the pictures.")
@@ -66,9 +83,10 @@ def show(
     rear: Rear = "position",
     intensity: Intensity = "primary",
 ) -> None:
-    """Draw stones as the paper does: outline, vertices, shape, triangles, rays, a fan, the map."""
+    """Draw stones: outline, vertices, shape, triangles, rays, a fan, the map, virtual facets."""
     # Everything is checked before anything is drawn.
-    shown = _displays(what or ["all"])
+    asked = what or ["all"]
+    shown = _displays(asked)
     points = _points(at)
     turn, in_fan = number("azimuth", azimuth), whole("rays", rays)
     options = trace_options(resolution, fresnel, rear, intensity, "0", "0")
@@ -77,6 +95,7 @@ def show(
 
     from gemrender.report.displays import write_display
     from gemrender.report.displays.rays import check_fan, check_points
+    from gemrender.report.facets import check_colour
     from gemrender.report.files import file_stems, prepare_folder
 
     loaded = load(stones, options)
@@ -84,31 +103,50 @@ def show(
         for stone in loaded:
             check_points(stone, points, view_and_model(stone, options)[1])
     check_fan(in_fan)
+    check_colour(colour)
     if "map" in shown:
         prepare_engine(engine, variant, loaded)
+    if "facets" in asked:
+        prepare_engine("exact", variant, loaded)
     folder = prepare_folder(out)
-    with progress_bar(len(loaded) * len(shown)) as step:
-        for i, (stone, stem) in enumerate(zip(loaded, file_stems(stones), strict=True)):
-            for k, display in enumerate(shown):
-                written = write_display(
-                    stone,
-                    display,
-                    folder,
-                    stem,
-                    formats=_FORMATS[form],
-                    at=points,
-                    azimuth_deg=turn,
-                    rays=in_fan,
-                    engine=engine,
-                    variant=variant,
-                    resolution=options["resolution"],
-                    fresnel=fresnel,
-                    rear=rear,
-                    intensity=intensity,
-                )
-                step(i * len(shown) + k, f"{stone.name}: {display}")(1.0)
-                for path in written:
-                    say(f"written: {path}")
+    jobs = [
+        (stone, stem, display)
+        for stone, stem in zip(loaded, file_stems(stones), strict=True)
+        for display in shown
+        if display != "facets" or "facets" in asked or _has_facets(stone, variant)
+    ]
+    with progress_bar(len(jobs)) as step:
+        for i, (stone, stem, display) in enumerate(jobs):
+            written = write_display(
+                stone,
+                display,
+                folder,
+                stem,
+                formats=_FORMATS[form],
+                at=points,
+                azimuth_deg=turn,
+                rays=in_fan,
+                engine=engine,
+                variant=variant,
+                resolution=options["resolution"],
+                fresnel=fresnel,
+                rear=rear,
+                intensity=intensity,
+                colour=colour,
+            )
+            step(i, f"{stone.name}: {display}")(1.0)
+            for path in written:
+                say(f"written: {path}")
+
+
+def _has_facets(stone: Stone, variant: str) -> bool:
+    """Tell whether the stone's virtual facets can be drawn, and say so if not."""
+    try:
+        prepare_engine("exact", variant, [stone])
+    except (InputError, BackendError) as error:
+        say(f"virtual facets left out: {error}")
+        return False
+    return True
 
 
 def _displays(names: list[str]) -> list[str]:

@@ -59,7 +59,6 @@ def print_doctor(checks: Sequence[Check], console: Console) -> bool:
         verdict = text(f"gemrender cannot run here: {failed.name}: {cure}", _STYLES[False])
     console.print(verdict, soft_wrap=True)
     if failed is not None and any(check.ok and check.name == EXACT_ENGINE for check in checks):
-        console.print(
-            text("Scores and maps of convex stones need no Mitsuba: gemrender score --engine exact")
-        )
+        words = "Scores and maps of convex stones need no Mitsuba: gemrender score --engine exact"
+        console.print(text(words), soft_wrap=True)
     return failed is None

@@ -90,7 +90,7 @@ def test_the_map_is_that_of_the_report(tmp_path):
     written = write_display(
         stone_named("inoue-3"), "map", tmp_path, "x", formats=FORMATS, engine="reference", resolution=32
     )
-    assert [path.name for path in written] == ["x-map.png", "x-map.svg"]
+    assert [path.name for path in written] == ["x-map.png", "x-map.svg", "x-map.pdf"]
     assert all(path.stat().st_size > 10_000 for path in written)
 
 
@@ -405,7 +405,7 @@ def test_in_a_plane_of_symmetry_the_fan_stays_in_it():
 @pytest.mark.parametrize("what", DRAWINGS)
 def test_files(what, tmp_path):
     written = write_display(stone_named("inoue-3"), what, tmp_path, "stem", formats=FORMATS)
-    assert [path.name for path in written] == [f"stem-{what}.png", f"stem-{what}.svg"]
+    assert [path.name for path in written] == [f"stem-{what}.png", f"stem-{what}.svg", f"stem-{what}.pdf"]
     assert sorted(tmp_path.iterdir()) == sorted(written)
     assert image.imread(written[0]).shape[1] > 1500
     assert f"Title\0Inoue sample 3: {what}".encode() in written[0].read_bytes()
@@ -483,7 +483,7 @@ def test_bad_input_is_one_line(options, said):
 
 
 def test_an_unknown_format(tmp_path):
-    with pytest.raises(InputError, match=r"format = 'gif': must be one of png, svg"):
+    with pytest.raises(InputError, match=r"format = 'gif': must be one of png, svg, pdf"):
         write_display(stone_named("inoue-3"), "shape", tmp_path, "s", formats=("gif",))
 
 

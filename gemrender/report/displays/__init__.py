@@ -1,4 +1,4 @@
-"""The paper's displays (photos 1 to 8): outline, vertices, shape, triangles, rays and the intensity map."""
+"""Displays of a stone: the paper's (photos 1 to 8), from the outline to the map, and its virtual facets."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 __all__ = ["DISPLAYS", "FORMATS", "draw", "write_display"]
 
 #: What can be shown.
-DISPLAYS = ("outline", "vertices", "shape", "triangles", "rays", "fan", "map")
+DISPLAYS = ("outline", "vertices", "shape", "triangles", "rays", "fan", "map", "facets")
 #: Formats of files.
-FORMATS = ("png", "svg")
+FORMATS = ("png", "svg", "pdf")
 
 
 def draw(
@@ -42,6 +42,7 @@ def draw(
     variant: str = DEFAULT_VARIANT,
     resolution: int = DEFAULT_RESOLUTION,
     observation: Observation | None = None,
+    colour: str = "intensity",
 ) -> Figure:
     """Draw one display of a stone.
 
@@ -58,11 +59,13 @@ def draw(
     rays : int
         For a fan: number of rays.
     fresnel, rear, intensity : str
-        For rays, a fan and the map: the model's options, as for `observe`.
+        For rays, a fan, the map and virtual facets: the model's options, as for `observe`.
     engine, variant, resolution
         For the map: what traces it, as for `observe`.
     observation : Observation, optional
         For the map: what to draw, if it has been traced already.
+    colour : str
+        For virtual facets: what their colours tell, as for `facets_figure`.
 
     Returns
     -------
@@ -72,17 +75,21 @@ def draw(
     Raises
     ------
     InputError
-        Unknown display, a point that is no pair of finite numbers or lies outside the stone, or an option
-        outside what is allowed.
+        Unknown display, a point that is no pair of finite numbers or lies outside the stone, an option
+        outside what is allowed, or virtual facets of a stone that is not convex.
     BackendError
-        For the map: Mitsuba cannot run here.
+        For the map and virtual facets: what traces them cannot run here.
     """
     if what not in DISPLAYS:
         raise InputError(f"must be one of {', '.join(DISPLAYS)}", key="what", value=what)
-    if what in ("rays", "fan"):
+    if what in ("rays", "fan", "facets"):
         from gemrender.observation import Model
 
         model = Model.of(stone, fresnel=fresnel, rear=rear, intensity=intensity)
+        if what == "facets":
+            from gemrender.report.facets import facets_figure
+
+            return facets_figure(stone, colour=colour, model=model)
         if what == "rays":
             return rays_figure(stone, at, model=model, azimuth_deg=azimuth_deg)
         return fan_figure(stone, azimuth_deg=azimuth_deg, rays=rays, model=model)
@@ -105,7 +112,7 @@ def write_display(
     formats: Iterable[str] = ("png",),
     **options: Any,
 ) -> list[Path]:
-    """Draw one display of a stone and write it as `stem`-`what`.png or .svg, or both: all of them or none.
+    """Draw one display of a stone and write it as `stem`-`what`.png, .svg or .pdf: all of them or none.
 
     Parameters
     ----------
@@ -141,9 +148,12 @@ def _save(figure: Figure, path: Path, title: str) -> None:
     from matplotlib import rc_context
 
     ending = path.suffix[1:]
-    metadata = {"Title": title} if ending == "png" else {"Title": title, "Date": None}
-    # Letters as shapes, which look alike everywhere; the same picture is the same file.
-    with rc_context({"svg.fonttype": "path", "svg.hashsalt": "gemrender"}), warnings.catch_warnings():
+    # The same picture is the same file: without the date.
+    dates: dict[str, dict[str, None]] = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
+    metadata = {"Title": title, **dates[ending]}
+    # Letters look alike everywhere: as shapes, or with their font (as TrueType, which journals ask for).
+    letters = {"svg.fonttype": "path", "svg.hashsalt": "gemrender", "pdf.fonttype": 42}
+    with rc_context(letters), warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Glyph .* missing from", category=UserWarning)
         figure.savefig(path, format=ending, dpi=figure.dpi, metadata=metadata)
 

@@ -1,0 +1,389 @@
+"""Virtual facets as polygons, crisp at any size: by intensity, reflections, or where their light comes in."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gemrender.engines import require_engine
+from gemrender.errors import InputError
+from gemrender.observation import Model, View
+from gemrender.report.displays.page import PAPER, Page
+from gemrender.report.displays.projection import Projection, look_at
+from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR
+from gemrender.report.tables import LEAST_SHOWN, band_name, how_text, model_text
+from gemrender.score import BAND_EDGES, FacetSizes, Score, score_observation
+from gemrender.stone import Stone
+from gemrender.stone.topology import FACET_KINDS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from gemrender.beam import VirtualFacets
+
+__all__ = ["COLOURS", "EXIT_COLOURS", "GIRDLE_COLOUR", "REFLECTION_COLOURS", "check_colour", "facets_figure"]
+
+#: What the colours may tell.
+COLOURS = ("intensity", "reflections", "facet")
+
+#: Lowest numbers of reflections of the groups that are told apart.
+_GROUPS = (0, 1, 2, 3, 4, 5, 6, 11, 21)
+#: Their colours, fewest first: from magma, the lightness falling evenly.
+REFLECTION_COLOURS = (
+    "#fcfdbf", "#feca8d", "#fd9467", "#f05f5e", "#ca3e72", "#9c2e7f", "#6e1e81", "#400f74", "#140e36",
+)  # fmt: skip
+#: Facets by kind, and darker where their light is rear light. The hues are those of the pale tints of other
+#: displays; all of them differ by 10 and more (CIEDE2000) for eyes with and without colour blindness, as
+#: Machado et al. (2009) simulate it.
+EXIT_COLOURS = {
+    "table": ("#ecd356", "#635108"),
+    "star": ("#64bdf8", "#123650"),
+    "bezel": ("#de5f26", "#4d2414"),
+    "upper_girdle": ("#2f8f74", "#0f5f4a"),
+    "lower_girdle": ("#6a6ad9", "#0a0a4d"),
+    "pavilion_main": ("#a868a2", "#96208c"),
+}
+_KIND_NAMES = {
+    "table": "Table",
+    "star": "Stars",
+    "bezel": "Bezel mains",
+    "upper_girdle": "Upper girdle",
+    "lower_girdle": "Lower girdle",
+    "pavilion_main": "Pavilion mains",
+}
+#: Light near the curved girdle, which no polygon tells: a tint that no scale has, hatched.
+GIRDLE_COLOUR = "#d4d4d4"
+_HATCHED = {"facecolor": GIRDLE_COLOUR, "edgecolor": "#9a9a9a", "hatch": "//////", "linewidth": 0.0}
+
+#: Edges are darker than their facets by this share, and lighter where the luminance is below that. They are
+#: opaque: between two facets the ground must not shine through.
+_SHADE, _TINT, _DARK = 0.65, 0.4, 0.06
+#: Width of the edges [points]; those of narrow facets have so much of the facet's own width, so that a
+#: closer look finds its colour.
+_EDGE, _EDGE_SHARE = 0.28, 0.06
+
+# The page [inch]: the picture with room for its axes, and the panel.
+_MAP, _LEFT, _BOTTOM, _GAP, _PANEL, _PANEL_BOTTOM = 6.4, 0.95, 0.85, 0.55, 4.05, 0.38
+# In the panel, from top to bottom: the scores, rows of the legend, the table of sizes, the rules.
+_SCORES, _ROW, _SIZES, _RULES = 1.27, 0.27, 2.15, 0.95
+#: Where the bars of the legend begin, and the longest one's length.
+_BARS, _LONGEST = 2.02, 1.35
+#: Resolution of PNG files [pixels per inch]: edges are thinner than other displays' lines.
+_DPI = 240
+
+_TITLES = {
+    "intensity": "Virtual facets by intensity",
+    "reflections": "Virtual facets by reflections",
+    "facet": "Virtual facets by where the light comes in",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Classes:
+    """The virtual facets that are drawn, in classes of one colour.
+
+    Attributes
+    ----------
+    drawn : (n,) int64
+        Their numbers among all.
+    of : (n,) int64
+        The class of each.
+    colours, names : tuple of str
+        Of all classes, in the legend's order; the last one is trapped light.
+    always : int
+        The first so many are in the legend even if nothing is in them.
+    """
+
+    drawn: np.ndarray
+    of: np.ndarray
+    colours: tuple[str, ...]
+    names: tuple[str, ...]
+    always: int
+
+
+def check_colour(colour: str) -> str:
+    """Return what the colours shall tell, if it is one of `COLOURS`.
+
+    Raises
+    ------
+    InputError
+        It is not.
+    """
+    if colour not in COLOURS:
+        raise InputError(f"must be one of {', '.join(COLOURS)}", key="colour", value=colour)
+    return colour
+
+
+def facets_figure(
+    stone: Stone, *, colour: str = "intensity", view: View | None = None, model: Model | None = None
+) -> Figure:
+    """Draw the virtual facets of a convex stone, with its scores, a legend and the facets' sizes beside them.
+
+    Each is drawn as the polygon that it is. What no polygon tells, the light near the girdle, is hatched.
+
+    Parameters
+    ----------
+    stone : Stone
+        The stone.
+    colour : str
+        What the colours tell, one of `COLOURS`: the band of intensity; the number of total reflections; or
+        the kind of facet through which the light comes in, darker for rear light.
+    view : View, optional
+        Where the eye is; by default straight above. Its resolution does not matter.
+    model : Model, optional
+        The optical model; by default that of the stone's material.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        To be saved at its own resolution, or as SVG or PDF.
+
+    Raises
+    ------
+    InputError
+        The stone is not convex, or `colour` is none of those.
+    BackendError
+        The exact engine cannot run here.
+    """
+    check_colour(colour)
+    require_engine("exact", stones=[stone])
+    from gemrender.beam import trace_facets
+    from gemrender.beam.maps import observe
+
+    view = replace(view or View.of(stone, 1), resolution=1)  # for the scores; the map is not needed
+    model = model or Model.of(stone)
+    observation = observe(stone, view, model)
+    assert observation.measured is not None
+    result = score_observation(observation)
+    facets = trace_facets(stone, view=view, model=model)
+    classes = _classes(facets, colour, result)
+
+    page = Page(
+        stone,
+        _TITLES[colour],
+        width=_LEFT + _MAP + _GAP + _PANEL + Page.MARGIN,
+        height=_BOTTOM + _MAP + Page.TITLE + 0.1,
+    )
+    page.figure.set_dpi(_DPI)
+    scale = _MAP / (2 * view.half_width)
+    axes = page.view(_LEFT, _BOTTOM, _MAP, _MAP, scale=scale, centre=(0.0, 0.0))
+    _draw_facets(axes, facets, classes, scale)
+    _draw_scales(axes, tilted=view.tilt_deg != 0)
+    panel = page.axes(_LEFT + _MAP + _GAP, _PANEL_BOTTOM, _PANEL, _BOTTOM + _MAP - _PANEL_BOTTOM)
+    shares = 100.0 * facets.area[classes.drawn] / observation.measured.area
+    _draw_panel(panel, result, _told(colour, model), _rows(classes, shares, result))
+    return page.figure
+
+
+# ---- What the colours tell -----------------------------------------------------------------------------
+
+
+def _classes(facets: VirtualFacets, colour: str, result: Score) -> _Classes:
+    """Sort the virtual facets that count as such: neither girdle cells nor slivers of rounding."""
+    from gemrender.beam.facets import FacetStatus
+
+    drawn = np.flatnonzero(facets.is_counted)
+    rear = facets.rear_mask[drawn]
+    colours: tuple[str, ...]
+    if colour == "intensity":
+        names = [f"{band_name(band, typeset=True)} %" for band in result.bands]
+        of = np.digitize(facets.primary_intensity[drawn], BAND_EDGES[:-1])  # decreasing: 0 is brightest
+        of[rear] = len(names)
+        names.append("Rear")
+        colours = (*BAND_COLOURS, REAR_COLOUR)
+    elif colour == "reflections":
+        names = [f"{low}" if high == low + 1 else f"{low}–{high - 1}" for low, high in pairwise(_GROUPS)]
+        names.append(f"> {_GROUPS[-1] - 1}")
+        of = np.searchsorted(_GROUPS, facets.reflections[drawn], side="right") - 1
+        colours = REFLECTION_COLOURS
+    else:
+        kinds = list(EXIT_COLOURS)
+        kind = np.array([kinds.index(kind) for kind in FACET_KINDS[:-1]])
+        of = kind[facets.nodes[facets.node[drawn], 1]] + len(kinds) * rear
+        names = [f"{_KIND_NAMES[kind]}{ending}" for ending in ("", ", rear") for kind in kinds]
+        colours = tuple(EXIT_COLOURS[kind][dark] for dark in (0, 1) for kind in kinds)
+    of = np.where(facets.status[drawn] == FacetStatus.TRAPPED, len(names), of)
+    return _Classes(
+        drawn=drawn,
+        of=of,
+        colours=(*colours, UNSOLVED_COLOUR),
+        names=(*names, "Trapped"),
+        always=len(names) if colour == "intensity" else 0,
+    )
+
+
+def _told(colour: str, model: Model) -> str:
+    """Say what the colours tell."""
+    measure = {"primary": "primary intensity", "radiance": "radiance"}[model.intensity]
+    return {"reflections": "total reflections", "facet": "where its light comes in"}.get(colour, measure)
+
+
+def _rows(classes: _Classes, shares: np.ndarray, result: Score) -> list[tuple[str, str, float]]:
+    """Return the legend: colours, names and shares of the view [%]; the light near the girdle comes last."""
+    n = len(classes.names)
+    number = np.bincount(classes.of, minlength=n)
+    share = np.bincount(classes.of, weights=shares, minlength=n)
+    rows = [
+        (classes.colours[i], classes.names[i], float(share[i]))
+        for i in range(n)
+        if number[i] or i < classes.always
+    ]
+    assert result.facets is not None
+    if result.facets.near_girdle >= LEAST_SHOWN:
+        rows.append((GIRDLE_COLOUR, "Near the girdle", result.facets.near_girdle))
+    return rows
+
+
+# ---- The picture ---------------------------------------------------------------------------------------
+
+
+def _draw_facets(axes: Axes, facets: VirtualFacets, classes: _Classes, scale: float) -> None:
+    """Draw the stone's outline, hatched within, and the virtual facets onto it."""
+    from matplotlib.collections import PolyCollection
+    from matplotlib.colors import to_rgb
+    from matplotlib.patches import Polygon
+
+    outline = _silhouette(facets.stone, facets.view)
+    axes.add_patch(Polygon(outline, gid="near-the-girdle", clip_on=False, zorder=1, **_HATCHED))
+
+    colours = np.array([to_rgb(colour) for colour in classes.colours])
+    dark = _luminance(colours) < _DARK
+    edges = np.where(dark[:, None], colours + _TINT * (1.0 - colours), (1.0 - _SHADE) * colours)
+    # Dark ones first: between a light and a dark one, it is the dark edge that is seen.
+    order = np.argsort(~dark[classes.of], kind="stable")
+    drawn, of = classes.drawn[order], classes.of[order]
+    polygons = [facets.polygon(i) for i in drawn]
+    around = np.array([np.hypot(*(np.roll(corners, -1, axis=0) - corners).T).sum() for corners in polygons])
+    across = 72.0 * scale * 2.0 * facets.area[drawn] / around  # about the radius of the largest circle within
+    collection = PolyCollection(
+        polygons,
+        facecolors=colours[of],
+        edgecolors=edges[of],
+        linewidths=np.minimum(_EDGE, _EDGE_SHARE * across),
+        joinstyle="bevel",  # miters of slivers would reach far
+        clip_on=False,
+        gid="virtual-facets",
+        zorder=2,
+    )
+    axes.add_collection(collection, autolim=False)
+    axes.add_patch(Polygon(outline, fill=False, edgecolor=PAPER.ink, linewidth=0.9, clip_on=False, zorder=3))
+
+
+def _silhouette(stone: Stone, view: View) -> np.ndarray:
+    """Return the outline of a convex stone in the view, (n, 2) [girdle radius]."""
+    right, up, _ = view.basis()
+    lines = look_at(stone, Projection(name="", right=right, up=up)).outline
+    points = np.unique(np.concatenate(lines), axis=0)
+    around = points - points.mean(axis=0)
+    return np.asarray(points[np.argsort(np.arctan2(around[:, 1], around[:, 0]))])
+
+
+def _luminance(colours: np.ndarray) -> np.ndarray:
+    """Return the relative luminance of sRGB colours (n, 3), (n,) from 0 to 1 (IEC 61966-2-1)."""
+    linear = np.where(colours <= 0.04045, colours / 12.92, ((colours + 0.055) / 1.055) ** 2.4)
+    return np.asarray(linear @ np.array([0.2126, 0.7152, 0.0722]))
+
+
+def _draw_scales(axes: Axes, *, tilted: bool) -> None:
+    """Draw a scale to the left of and below the picture."""
+    axes.set_axis_on()
+    axes.patch.set_visible(False)
+    axes.spines[["top", "right"]].set_visible(False)
+    for side, label, axis in (("bottom", "x", axes.xaxis), ("left", "y", axes.yaxis)):
+        axes.spines[side].set_position(("outward", 7))
+        axes.spines[side].set_bounds(-1, 1)
+        axis.set_ticks(np.linspace(-1, 1, 5), ["−1", "−0.5", "0", "0.5", "1"], fontsize=12)
+        axis.set_label_text(f"{label}{' in the view' if tilted else ''} [girdle radius]", fontsize=12)
+
+
+# ---- The panel -----------------------------------------------------------------------------------------
+
+
+def _draw_panel(axes: Axes, result: Score, told: str, rows: list[tuple[str, str, float]]) -> None:
+    """Draw the scores, the legend with its shares, the facets by size, and the rules."""
+    y = axes.get_ylim()[1]
+    assert result.bound is not None
+    assert result.facets is not None
+    for x, name, value in ((0.0, "Average", result.average), (2.15, "Rear", result.rear)):
+        number, bound = _bounded(value, result.bound)
+        axes.text(x, y - 0.22, name, fontsize=12.5, color=PAPER.soft)
+        axes.text(x, y - 0.60, f"{number} %", fontsize=21, fontweight="bold", color=PAPER.ink)
+        axes.text(x, y - 0.84, f"± {bound} %", fontsize=11, color=PAPER.soft)
+
+    axes.text(0, y - _SCORES, f"Share of the view by {told}", fontsize=11.5, color=PAPER.soft)
+    step = min(_ROW, (y - _SCORES - _SIZES - _RULES) / len(rows))
+    widest = max(share for _, _, share in rows)
+    for i, (colour, name, share) in enumerate(rows, start=1):
+        _draw_row(axes, y - _SCORES - i * step, step / _ROW, colour, name, share, share / widest)
+
+    _draw_sizes(axes, y - _SCORES - len(rows) * step - 0.45, result.facets)
+    axes.text(0, 0, _rules(result), fontsize=9, color=PAPER.soft, va="bottom", linespacing=1.3)
+
+
+def _draw_row(axes: Axes, y: float, size: float, colour: str, name: str, share: float, length: float) -> None:
+    """Draw a row of the legend, reduced by a factor if there are many."""
+    from matplotlib.patches import Rectangle
+
+    filled = _HATCHED if colour == GIRDLE_COLOUR else {"facecolor": colour, "linewidth": 0.0}
+    height, font = 0.17 * size, 11.5 * size
+    bottom, length = y - 0.035 * size, _LONGEST * length
+    axes.add_patch(Rectangle((0, bottom), 0.17, height, **filled))
+    axes.add_patch(Rectangle((0, bottom), 0.17, height, fill=False, edgecolor="#888888", linewidth=0.7))
+    axes.text(0.27, y, name, fontsize=font, color=PAPER.ink)
+    if share:
+        axes.add_patch(Rectangle((_BARS, bottom), length, height, **filled))
+    axes.text(_BARS + length + 0.07, y, f"{_short(share)} %", fontsize=font, color=PAPER.ink)
+
+
+def _draw_sizes(axes: Axes, y: float, sizes: FacetSizes) -> None:
+    """Draw a table of the virtual facets by size: how many there are, and their share of the view."""
+    columns = (0.0, 2.1, 3.1)
+    axes.text(0, y, f"{sizes.number} virtual facets", fontsize=12.5, fontweight="bold", color=PAPER.ink)
+    y -= 0.26
+
+    def write(texts: tuple[str, str, str], size: float, colour: str) -> None:
+        for x, text, align in zip(columns, texts, ("left", "right", "right"), strict=True):
+            axes.text(x, y, text, fontsize=size, color=colour, ha=align)
+
+    write(("Size [% of the view]", "Number", "Share"), 10, PAPER.soft)
+    edges = [low for low, _, _ in sizes.classes]
+    for (low, number, share), high in zip(sizes.classes, (None, *edges[:-1]), strict=True):
+        y -= 0.215
+        name = f"≥ {low:g}" if high is None else f"< {high:g}" if low == 0 else f"{low:g} – {high:g}"
+        write((name, f"{number}", f"{_short(share)} %"), 10.5, PAPER.ink)
+    if sum(share for _, _, share in sizes.classes) >= 50:
+        axes.text(
+            0, y - 0.25, f"The {sizes.half} largest make half of the view.", fontsize=10, color=PAPER.soft
+        )
+
+
+def _short(share: float) -> str:
+    """Return a share with one decimal, or with one digit if it is small."""
+    digits = 1 if share >= 0.05 or share <= 0 else min(-math.floor(math.log10(share)), 9)
+    return f"{share:.{digits}f}"
+
+
+def _bounded(value: float, bound: float) -> tuple[str, str]:
+    """Return a score and its bound, rounded up, with two to four decimals: as many as the bound is worth."""
+    digits = next((digits for digits in (2, 3) if bound >= 10.0**-digits), 4)
+    return f"{value:.{digits}f}", f"{math.ceil(bound * 10**digits) / 10**digits:.{digits}f}"
+
+
+def _rules(result: Score) -> str:
+    """Say how the figure was made, in short lines."""
+    words = model_text(result)
+    for together in ("(index ", "rear light by "):  # not to be torn apart
+        words = words.replace(together, together.replace(" ", "\u00a0"))
+    lines = [words]
+    if result.tilt_deg:
+        lines.append(f"eye tilted by {result.tilt_deg:g}° towards azimuth {result.tilt_azimuth_deg:g}°")
+    lines.append(how_text(result))
+    if result.facets is not None and result.facets.near_girdle >= LEAST_SHOWN:
+        lines.append("Average and Rear near the girdle are by single rays")
+    return "\n".join(part for line in lines for part in textwrap.wrap(line, 56))
