@@ -64,6 +64,8 @@ class VirtualFacets:
         cells where it was last reflected.
     covered, covered_ends
         Outlines of the facets in the view as far as polygons tell them, for each plane where they end.
+    unaccounted : float
+        Area that none of them holds: slivers thinner than rounding [girdle radius^2].
     wedge : (k, 2) float64
         Rows w with w . (x, y) <= 0 in the part of the view that was traced; none for all of it.
     stone, view, model
@@ -84,6 +86,7 @@ class VirtualFacets:
     exit_map: np.ndarray
     covered: np.ndarray
     covered_ends: np.ndarray
+    unaccounted: float
     wedge: np.ndarray
     stone: Stone
     view: View
@@ -186,7 +189,7 @@ def trace_facets(
     view = view or View(resolution=1)
     model = model or Model.of(ready.stone)
     wedge = WEDGE if ready.symmetric and not whole and view.tilt_deg == 0 else np.empty((0, 2))
-    corners, ends, what, values, beams, nodes, covered, covered_ends = trace_polygons(
+    corners, ends, what, values, beams, nodes, covered, covered_ends, unaccounted = trace_polygons(
         ready.solid, view.basis(), wedge, kernel_rules(model), LEAST_AREA
     )
     nodes[:, 1] = ready.facet[nodes[:, 1]]
@@ -205,6 +208,7 @@ def trace_facets(
         exit_map=beams[:, :9].reshape(-1, 3, 3),
         covered=covered,
         covered_ends=covered_ends,
+        unaccounted=unaccounted,
         wedge=wedge,
         stone=ready.stone,
         view=view,

@@ -111,6 +111,8 @@ _STATUS = np.array([RayStatus.EXITED, RayStatus.TRAPPED, RayStatus.MISSED])  # b
 
 def facet_sums(facets: VirtualFacets) -> np.ndarray:
     """Sum up the virtual facets whose whole path is known, (N_SUMS,) as `rays` has it [girdle radius^2]."""
-    return sums_by_status(
+    sums = sums_by_status(
         facets.area, facets.primary_intensity / LIGHT_LEVEL, facets.rear_mask, _STATUS[facets.status]
     )
+    sums[[TRAPPED, MET]] += facets.unaccounted
+    return sums

@@ -11,7 +11,7 @@ given out as a girdle cell, for `lines` to follow, and all other polygons never 
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,7 +26,7 @@ EXITED, TRAPPED, GIRDLE_CELL = 0, 1, 2
 #: Numbers that a beam is: its point on the last surface at (u, v), origin + u by_u + v by_v (9 numbers), its
 #: direction (3), and T S of its crossing towards the eye.
 N_STATE = 13
-#: Most corners of a polygon. One more is cut off with its area counted as trapped.
+#: Most corners of a polygon; what one more would hold is told as unaccounted for.
 _MOST_CORNERS = 64
 #: Half the side of the square that the view's polygons are cut from [girdle radius].
 _SQUARE = 8.0
@@ -66,12 +66,229 @@ def clip(polygon: Any, n: int, a: Any, b: Any, c: Any, out: Any) -> int:
     return m if m > 2 else 0
 
 
+class _Found(NamedTuple):
+    """The polygons that are done; see `trace_polygons`."""
+
+    corners: Any
+    ends: Any
+    what: Any
+    values: Any
+    states: Any
+    counts: Any  # (2,) of corners, and of polygons
+
+
+class _Waiting(NamedTuple):
+    """Polygons that wait to be followed on, the last one first."""
+
+    corners: Any  # (k, _MOST_CORNERS, 2)
+    beams: Any  # (k, N_STATE)
+    facts: Any  # (k, 3): number of corners, node, reflections
+    count: Any  # (1,)
+
+
+class _Ahead(NamedTuple):
+    """The planes ahead of a beam."""
+
+    distances: Any  # (p, 3): distance along the beam at (u, v) is d0 + u d1 + v d2
+    slopes: Any  # (p,) cosine between beam and normal; planes with 0 and less lie behind
+    at_corners: Any  # (p, _MOST_CORNERS) distances at the polygon's corners
+    nearest: Any  # (_MOST_CORNERS,) the plane that is nearest at each corner
+    candidates: Any  # (p,) the planes that may be nearest somewhere
+
+
 @jit
 def _grown(array: Any) -> Any:
     """Return the array with twice as many rows."""
     out = np.empty((2 * array.shape[0], *array.shape[1:]), array.dtype)
     out[: array.shape[0]] = array
     return out
+
+
+@jit
+def _store(
+    found: Any, polygon: Any, n: int, size: Any, status: int, node: int, reflections: int, rear: bool,
+    intensity: Any, direction: Any, state: Any,
+) -> Any:  # fmt: skip
+    """Add a polygon to those that are done; return them, in larger arrays where there was no room."""
+    n_corners, m = found.counts[0], found.counts[1]
+    while n_corners + n > found.corners.shape[0]:
+        found = _Found(
+            _grown(found.corners), found.ends, found.what, found.values, found.states, found.counts
+        )  # fmt: skip
+    if m == found.ends.shape[0]:
+        found = _Found(
+            found.corners, _grown(found.ends), _grown(found.what), _grown(found.values),
+            _grown(found.states), found.counts,
+        )  # fmt: skip
+    found.corners[n_corners : n_corners + n] = polygon[:n]
+    found.ends[m] = n_corners + n
+    what = found.what[m]
+    what[0], what[1], what[2], what[3] = status, node, reflections, 1 if rear else 0
+    found.values[m, 0], found.values[m, 1] = size, intensity
+    found.values[m, 2:5] = direction
+    found.states[m] = state
+    found.counts[0], found.counts[1] = n_corners + n, m + 1
+    return found
+
+
+@jit
+def _push(waiting: Any, polygon: Any, n: int, node: int, reflections: int, beam: Any) -> Any:
+    """Let a polygon wait; return those that wait, in larger arrays where there was no room."""
+    k = waiting.count[0]
+    if k == waiting.facts.shape[0]:
+        waiting = _Waiting(
+            _grown(waiting.corners), _grown(waiting.beams), _grown(waiting.facts), waiting.count
+        )
+    waiting.corners[k, :n], waiting.beams[k] = polygon[:n], beam
+    waiting.facts[k, 0], waiting.facts[k, 1], waiting.facts[k, 2] = n, node, reflections
+    waiting.count[0] = k + 1
+    return waiting
+
+
+@jit
+def _point_on(i: int, facing: Any, planes: Any, basis: Any, state: Any) -> None:
+    """Fill in where the eye's ray at (u, v) meets plane i: u right + v up + h eye, h affine in u and v."""
+    nx, ny, nz = planes[i, 0], planes[i, 1], planes[i, 2]
+    h0 = planes[i, 3] / facing
+    hu = -(nx * basis[0, 0] + ny * basis[0, 1] + nz * basis[0, 2]) / facing
+    hv = -(nx * basis[1, 0] + ny * basis[1, 1] + nz * basis[1, 2]) / facing
+    for k in range(3):
+        state[k] = h0 * basis[2, k]
+        state[3 + k] = basis[0, k] + hu * basis[2, k]
+        state[6 + k] = basis[1, k] + hv * basis[2, k]
+
+
+@jit
+def _outline(i: int, state: Any, solid: Any, wedge: Any, out: Any, spare: Any) -> int:
+    """Cut a plane's facet out of the view: what lies within all other planes, the rim and the wedge."""
+    planes, rim = solid.planes, solid.rim
+    zero = planes[0, 0] * 0.0
+    for k in range(4):
+        out[k, 0] = zero + (_SQUARE if k in (1, 2) else -_SQUARE)
+        out[k, 1] = zero + (_SQUARE if k > 1 else -_SQUARE)
+    n = 4
+    for w in range(wedge.shape[0]):
+        n = clip(out, n, zero, zero + wedge[w, 0], zero + wedge[w, 1], spare) if n else 0
+        out[:n] = spare[:n]
+    for j in range(planes.shape[0]):
+        if j != i and n:
+            n = clip(
+                out, n,
+                planes[j, 0] * state[0] + planes[j, 1] * state[1] + planes[j, 2] * state[2] - planes[j, 3],
+                planes[j, 0] * state[3] + planes[j, 1] * state[4] + planes[j, 2] * state[5],
+                planes[j, 0] * state[6] + planes[j, 1] * state[7] + planes[j, 2] * state[8],
+                spare,
+            )  # fmt: skip
+            out[:n] = spare[:n]
+    for w in range(rim.shape[0]):
+        if n:
+            a, b, c = _beyond_wall(rim, w, state)
+            n = clip(out, n, a, b, c, spare)
+            out[:n] = spare[:n]
+    return n
+
+
+@jit
+def _beyond_wall(walls: Any, w: int, state: Any) -> Any:
+    """Return how far a beam's points lie beyond a wall: a + b u + c v."""
+    return (
+        walls[w, 0] * state[0] + walls[w, 1] * state[1] - walls[w, 2],
+        walls[w, 0] * state[3] + walls[w, 1] * state[4],
+        walls[w, 0] * state[6] + walls[w, 1] * state[7],
+    )
+
+
+@jit
+def _look_ahead(planes: Any, beam: Any, polygon: Any, n: int, ahead: Any) -> int:
+    """Find the planes that a beam may meet next; return how many."""
+    for k in range(n):
+        ahead.nearest[k] = -1
+    for j in range(planes.shape[0]):
+        nx, ny, nz = planes[j, 0], planes[j, 1], planes[j, 2]
+        slope = nx * beam[9] + ny * beam[10] + nz * beam[11]
+        ahead.slopes[j] = slope
+        if real(slope) <= 0.0:
+            continue
+        d0 = (planes[j, 3] - (nx * beam[0] + ny * beam[1] + nz * beam[2])) / slope
+        du = -(nx * beam[3] + ny * beam[4] + nz * beam[5]) / slope
+        dv = -(nx * beam[6] + ny * beam[7] + nz * beam[8]) / slope
+        ahead.distances[j, 0], ahead.distances[j, 1], ahead.distances[j, 2] = d0, du, dv
+        for k in range(n):
+            t = real(d0 + du * polygon[k, 0] + dv * polygon[k, 1])
+            ahead.at_corners[j, k] = t
+            if ahead.nearest[k] < 0 or t < ahead.at_corners[ahead.nearest[k], k]:
+                ahead.nearest[k] = j
+
+    count = 0
+    for k in range(n):
+        new = True
+        for c in range(count):
+            new = new and ahead.candidates[c] != ahead.nearest[k]
+        if new:
+            ahead.candidates[count] = ahead.nearest[k]
+            count += 1
+    if count == 1:  # nearest at all corners, and so everywhere: the lower envelope is concave
+        return 1
+    # A plane that is further than one of these at every corner is so everywhere.
+    n_nearest = count
+    for j in range(planes.shape[0]):
+        if real(ahead.slopes[j]) <= 0.0:
+            continue
+        possible = True
+        for c in range(n_nearest):
+            closer = False
+            for k in range(n):
+                closer = closer or ahead.at_corners[j, k] < ahead.at_corners[ahead.candidates[c], k]
+            possible = possible and closer
+        if possible:
+            ahead.candidates[count] = j
+            count += 1
+    return count
+
+
+@jit
+def _cell(which: int, count: int, ahead: Any, polygon: Any, n: int, out: Any, spare: Any) -> int:
+    """Cut the part out of a polygon at which one of the candidates is the nearest plane."""
+    out[:n] = polygon
+    i = ahead.candidates[which]
+    for c in range(count):
+        if c == which or n == 0:
+            continue
+        j = ahead.candidates[c]
+        n = clip(
+            out, n,
+            ahead.distances[i, 0] - ahead.distances[j, 0],
+            ahead.distances[i, 1] - ahead.distances[j, 1],
+            ahead.distances[i, 2] - ahead.distances[j, 2],
+            spare,
+        )  # fmt: skip
+        out[:n] = spare[:n]
+    return n
+
+
+@jit
+def _is_within(polygon: Any, n: int, state: Any, radius: float) -> bool:
+    """Whether all of a polygon's points on a plane lie within this radius of the axis: so do its corners."""
+    for k in range(n):
+        x = real(state[0] + state[3] * polygon[k, 0] + state[6] * polygon[k, 1])
+        y = real(state[1] + state[4] * polygon[k, 0] + state[7] * polygon[k, 1])
+        if x * x + y * y > radius * radius:
+            return False
+    return True
+
+
+@jit
+def _part_at_ground(polygon: Any, n: int, state: Any, below: bool, out: Any) -> int:
+    """Return the part of a polygon whose points on a plane lie at z <= 0, or that above."""
+    low = high = real(state[2] + state[5] * polygon[0, 0] + state[8] * polygon[0, 1])
+    for k in range(1, n):
+        z = real(state[2] + state[5] * polygon[k, 0] + state[8] * polygon[k, 1])
+        low, high = min(low, z), max(high, z)
+    if low > 0.0 or high <= 0.0:  # all on one side
+        out[:n] = polygon[:n]
+        return n if (high <= 0.0) == below else 0
+    sign = 1.0 if below else -1.0
+    return int(clip(polygon, n, sign * state[2], sign * state[5], sign * state[8], out))
 
 
 @jit
@@ -106,289 +323,146 @@ def trace_polygons(solid: Any, basis: Any, wedge: Any, rules: Any, least_area: f
     nodes : (k, 2) int64
         The tree of paths: a node's parent (-1 at the crown) and the plane that it met.
     covered : (c', 2) array like `planes`, covered_ends : (p,) int64
-        Outline of each plane in the view, as far as the walls, and where its corners end.
+        Outline of each plane in the view, as far as the rim, and where its corners end.
+    unaccounted : float
+        Area that no polygon holds: slivers thinner than rounding [girdle radius^2].
     """
     planes, walls, index = solid.planes, solid.walls, rules.refractive_index
-    p = planes.shape[0]
-    kind = planes.dtype
-    corners, n_corners = np.empty((1024, 2), kind), 0
-    ends, what = np.empty(256, np.int64), np.empty((256, 4), np.int64)
-    values, states, m = np.empty((256, 5), kind), np.zeros((256, N_STATE), kind), 0
+    p, kind = planes.shape[0], planes.dtype
+    found = _Found(
+        np.empty((1024, 2), kind), np.empty(256, np.int64), np.empty((256, 4), np.int64),
+        np.empty((256, 5), kind), np.empty((256, N_STATE), kind), np.zeros(2, np.int64),
+    )  # fmt: skip
+    waiting = _Waiting(
+        np.empty((64, _MOST_CORNERS, 2), kind), np.empty((64, N_STATE), kind), np.empty((64, 3), np.int64),
+        np.zeros(1, np.int64),
+    )  # fmt: skip
+    ahead = _Ahead(
+        np.empty((p, 3), kind), np.empty(p, kind), np.empty((p, _MOST_CORNERS)),
+        np.empty(_MOST_CORNERS, np.int64), np.empty(p, np.int64),
+    )  # fmt: skip
     nodes, n_nodes = np.empty((256, 2), np.int64), 0
     covered, n_covered = np.empty((1024, 2), kind), 0
     covered_ends = np.zeros(p, np.int64)
-
-    stack = np.empty((64, _MOST_CORNERS, 2), kind)
-    beams = np.empty((64, N_STATE), kind)
-    facts = np.empty((64, 3), np.int64)  # corners, node, reflections
-    height = 0
-
-    one, other = np.empty((_MOST_CORNERS + 2, 2), kind), np.empty((_MOST_CORNERS + 2, 2), kind)
-    outside = np.empty((_MOST_CORNERS + 2, 2), kind)
-    distances = np.empty((p, 3), kind)
-    at_corner = np.empty((p, _MOST_CORNERS), np.float64)
-    slopes = np.empty(p, kind)
-    nearest = np.empty(_MOST_CORNERS, np.int64)
-    candidates = np.empty(p, np.int64)
-    state = np.empty(N_STATE, kind)
-    inner = walls[0, 2]
-    for k in range(walls.shape[0]):
-        inner = min(inner, walls[k, 2])
+    cell, part = np.empty((_MOST_CORNERS, 2), kind), np.empty((_MOST_CORNERS, 2), kind)
+    state, direction = np.empty(N_STATE, kind), np.empty(3, kind)
+    zero = planes[0, 0] * 0.0
+    unaccounted = 0.0
+    inner = walls[:, 2].min()
 
     # ---- The facets that the eye sees ----
     ex, ey, ez = basis[2, 0], basis[2, 1], basis[2, 2]
     for i in range(p):
-        nx, ny, nz, offset = planes[i, 0], planes[i, 1], planes[i, 2], planes[i, 3]
+        nx, ny, nz = planes[i, 0], planes[i, 1], planes[i, 2]
         facing = nx * ex + ny * ey + nz * ez
         covered_ends[i] = n_covered
         if real(facing) <= 1e-9:
             continue
-        # The point of the plane at (u, v) lies u right + v up + h eye from the origin.
-        h0 = offset / facing
-        hu = -(nx * basis[0, 0] + ny * basis[0, 1] + nz * basis[0, 2]) / facing
-        hv = -(nx * basis[1, 0] + ny * basis[1, 1] + nz * basis[1, 2]) / facing
-        for k in range(3):
-            state[k] = h0 * basis[2, k]
-            state[3 + k] = basis[0, k] + hu * basis[2, k]
-            state[6 + k] = basis[1, k] + hv * basis[2, k]
-        n = 4
-        for k in range(4):
-            one[k, 0] = planes[0, 0] * 0.0 + (_SQUARE if k in (1, 2) else -_SQUARE)
-            one[k, 1] = planes[0, 0] * 0.0 + (_SQUARE if k > 1 else -_SQUARE)
-        for j in range(wedge.shape[0] + p + solid.rim.shape[0]):
-            if n == 0:
-                break
-            a, b, c = facing * 0.0, facing * 0.0, facing * 0.0
-            if j < wedge.shape[0]:
-                b, c = b + wedge[j, 0], c + wedge[j, 1]
-            elif j < wedge.shape[0] + p:
-                w = j - wedge.shape[0]
-                if w == i:
-                    continue
-                a = planes[w, 0] * state[0] + planes[w, 1] * state[1] + planes[w, 2] * state[2] - planes[w, 3]
-                b = planes[w, 0] * state[3] + planes[w, 1] * state[4] + planes[w, 2] * state[5]
-                c = planes[w, 0] * state[6] + planes[w, 1] * state[7] + planes[w, 2] * state[8]
-            else:
-                w = j - wedge.shape[0] - p
-                a = solid.rim[w, 0] * state[0] + solid.rim[w, 1] * state[1] - solid.rim[w, 2]
-                b = solid.rim[w, 0] * state[3] + solid.rim[w, 1] * state[4]
-                c = solid.rim[w, 0] * state[6] + solid.rim[w, 1] * state[7]
-            n = clip(one, n, a, b, c, other)
-            one, other = other, one
-        if n == 0 or real(area(one, n)) < _NO_AREA:
+        _point_on(i, facing, planes, basis, state)
+        n = _outline(i, state, solid, wedge, cell, part)
+        if n == 0 or real(area(cell, n)) < _NO_AREA:
             continue
         while n_covered + n > covered.shape[0]:
             covered = _grown(covered)
-        covered[n_covered : n_covered + n] = one[:n]
+        covered[n_covered : n_covered + n] = cell[:n]
         n_covered += n
         covered_ends[i] = n_covered
-
-        zero = facing * 0.0
         dx, dy, dz, cos_air, cos_stone = into_stone(zero - ex, zero - ey, zero - ez, nx, ny, nz, index)
         state[9], state[10], state[11] = dx, dy, dz
         state[12] = crossing_factor(cos_air, cos_stone, index, rules.law, rules.radiance, True)
         if n_nodes == nodes.shape[0]:
             nodes = _grown(nodes)
         nodes[n_nodes, 0], nodes[n_nodes, 1] = -1, i
-        if height == stack.shape[0]:
-            stack, beams, facts = _grown(stack), _grown(beams), _grown(facts)
-        stack[height, :n], beams[height] = one[:n], state
-        facts[height, 0], facts[height, 1], facts[height, 2] = n, n_nodes, 0
+        waiting = _push(waiting, cell, n, n_nodes, 0, state)
         n_nodes += 1
-        height += 1
 
     # ---- From facet to facet ----
-    while height > 0:
-        height -= 1
-        n, node, reflections = facts[height, 0], facts[height, 1], facts[height, 2]
-        polygon, beam = stack[height, :n].copy(), beams[height].copy()
+    while waiting.count[0] > 0:
+        waiting.count[0] -= 1
+        top = waiting.count[0]
+        n, node, reflections = waiting.facts[top, 0], waiting.facts[top, 1], waiting.facts[top, 2]
+        polygon, beam = waiting.corners[top, :n].copy(), waiting.beams[top].copy()
         dx, dy, dz = beam[9], beam[10], beam[11]
-
-        for k in range(n):
-            nearest[k] = -1
-        for j in range(p):
-            slope = planes[j, 0] * dx + planes[j, 1] * dy + planes[j, 2] * dz
-            slopes[j] = slope
-            if real(slope) <= 0.0:
-                continue
-            t0 = planes[j, 3] - (planes[j, 0] * beam[0] + planes[j, 1] * beam[1] + planes[j, 2] * beam[2])
-            tu = -(planes[j, 0] * beam[3] + planes[j, 1] * beam[4] + planes[j, 2] * beam[5])
-            tv = -(planes[j, 0] * beam[6] + planes[j, 1] * beam[7] + planes[j, 2] * beam[8])
-            distances[j, 0], distances[j, 1], distances[j, 2] = t0 / slope, tu / slope, tv / slope
-            for k in range(n):
-                t = real(distances[j, 0] + distances[j, 1] * polygon[k, 0] + distances[j, 2] * polygon[k, 1])
-                at_corner[j, k] = t
-                if nearest[k] < 0 or t < at_corner[nearest[k], k]:
-                    nearest[k] = j
-
-        # A plane that is further than one of the nearest ones at every corner is so everywhere.
-        n_candidates = 0
-        for k in range(n):
-            new = True
-            for c in range(n_candidates):
-                new = new and candidates[c] != nearest[k]
-            if new:
-                candidates[n_candidates] = nearest[k]
-                n_candidates += 1
-        n_nearest = n_candidates
-        if n_nearest > 1:
-            for j in range(p):
-                if real(slopes[j]) <= 0.0:
-                    continue
-                possible = True
-                for c in range(n_nearest):
-                    closer = False
-                    for k in range(n):
-                        closer = closer or at_corner[j, k] < at_corner[candidates[c], k]
-                    possible = possible and closer
-                if possible:
-                    candidates[n_candidates] = j
-                    n_candidates += 1
-
-        left = area(polygon, n)
-        for c in range(n_candidates):
-            i = candidates[c]
-            one[:n] = polygon
-            n_cell = n
-            for e in range(n_candidates):
-                if e == c or n_cell == 0:
-                    continue
-                j = candidates[e]
-                n_cell = clip(
-                    one, n_cell,
-                    distances[i, 0] - distances[j, 0],
-                    distances[i, 1] - distances[j, 1],
-                    distances[i, 2] - distances[j, 2],
-                    other,
-                )  # fmt: skip
-                one, other = other, one
+        left = real(area(polygon, n))
+        count = _look_ahead(planes, beam, polygon, n, ahead)
+        for c in range(count):
+            i = ahead.candidates[c]
+            n_cell = _cell(c, count, ahead, polygon, n, cell, part)
             if n_cell == 0:
                 continue
-            cell_area = area(one, n_cell)
-            if real(cell_area) < _NO_AREA:
-                continue
-            left -= cell_area
-
             # Where the cell meets the plane.
             for k in range(3):
-                d = beam[9 + k]
-                for part in range(3):
-                    state[3 * part + k] = beam[3 * part + k] + distances[i, part] * d
-            farthest = 0.0
-            for k in range(n_cell):
-                x = real(state[0] + state[3] * one[k, 0] + state[6] * one[k, 1])
-                y = real(state[1] + state[4] * one[k, 0] + state[7] * one[k, 1])
-                farthest = max(farthest, x * x + y * y)
-            if farthest > inner * inner:
+                for row in range(3):
+                    state[3 * row + k] = beam[3 * row + k] + ahead.distances[i, row] * beam[9 + k]
+                state[9 + k] = beam[9 + k]
+            state[12] = beam[12]
+
+            if not _is_within(cell, n_cell, state, inner):
                 for w in range(walls.shape[0]):
-                    a = walls[w, 0] * state[0] + walls[w, 1] * state[1] - walls[w, 2]
-                    b = walls[w, 0] * state[3] + walls[w, 1] * state[4]
-                    cc = walls[w, 0] * state[6] + walls[w, 1] * state[7]
-                    beyond = False
-                    for k in range(n_cell):
-                        beyond = beyond or real(a + b * one[k, 0] + cc * one[k, 1]) > 0.0
-                    if not beyond:
+                    a, b, cc = _beyond_wall(walls, w, state)
+                    n_part = clip(cell, n_cell, -a, -b, -cc, part)
+                    if n_part == 0:
                         continue
-                    n_out = clip(one, n_cell, -a, -b, -cc, outside)
-                    n_cell = clip(one, n_cell, a, b, cc, other)
-                    one, other = other, one
-                    if n_out > 0:
-                        out_area = area(outside, n_out)
-                        if real(out_area) >= _NO_AREA:
-                            while n_corners + n_out > corners.shape[0]:
-                                corners = _grown(corners)
-                            if m == ends.shape[0]:
-                                ends, what, values, states = (
-                                    _grown(ends), _grown(what), _grown(values), _grown(states)
-                                )  # fmt: skip
-                            corners[n_corners : n_corners + n_out] = outside[:n_out]
-                            n_corners += n_out
-                            ends[m] = n_corners
-                            what[m, 0], what[m, 1], what[m, 2], what[m, 3] = GIRDLE_CELL, node, reflections, 0
-                            values[m] = 0.0
-                            values[m, 0] = out_area
-                            states[m] = beam
-                            m += 1
+                    size = area(part, n_part)
+                    if real(size) >= _NO_AREA:
+                        left -= real(size)
+                        direction[:] = zero
+                        found = _store(
+                            found, part, n_part, size, GIRDLE_CELL, node, reflections, False, zero, direction,
+                            beam,
+                        )  # fmt: skip
+                    n_cell = clip(cell, n_cell, a, b, cc, part)
+                    cell[:n_cell] = part[:n_cell]
                     if n_cell == 0:
                         break
                 if n_cell == 0:
                     continue
-                cell_area = area(one, n_cell)
-                if real(cell_area) < _NO_AREA:
-                    continue
+            size = area(cell, n_cell)
+            if real(size) < _NO_AREA:
+                continue
 
             if n_nodes == nodes.shape[0]:
                 nodes = _grown(nodes)
             nodes[n_nodes, 0], nodes[n_nodes, 1] = node, i
             met = n_nodes
             n_nodes += 1
-            nx, ny, nz = planes[i, 0], planes[i, 1], planes[i, 2]
-            cos_in = slopes[i]
-            if index * index * (1.0 - real(cos_in) ** 2) >= 1.0:
+            nx, ny, nz, cos = planes[i, 0], planes[i, 1], planes[i, 2], ahead.slopes[i]
+            if index * index * (1.0 - real(cos) ** 2) >= 1.0:
                 # Total reflection: the cell goes on, unless it is too small or has been on its way too long.
-                if real(cell_area) >= least_area and reflections < rules.max_reflections:
-                    if height == stack.shape[0]:
-                        stack, beams, facts = _grown(stack), _grown(beams), _grown(facts)
-                    stack[height, :n_cell] = one[:n_cell]
-                    for k in range(9):
-                        beams[height, k] = state[k]
-                    beams[height, 9] = dx - 2.0 * cos_in * nx
-                    beams[height, 10] = dy - 2.0 * cos_in * ny
-                    beams[height, 11] = dz - 2.0 * cos_in * nz
-                    beams[height, 12] = beam[12]
-                    facts[height, 0], facts[height, 1] = n_cell, met
-                    facts[height, 2] = reflections + 1
-                    height += 1
+                left -= real(size)
+                if real(size) < least_area or reflections >= rules.max_reflections:
+                    direction[0], direction[1], direction[2] = dx, dy, dz
+                    found = _store(
+                        found, cell, n_cell, size, TRAPPED, met, reflections, False, zero, direction, state
+                    )
                     continue
-                parts, became = 1, TRAPPED
-                out_x, out_y, out_z, intensity = dx, dy, dz, dx * 0.0
-            else:
-                parts, became = 2, EXITED
-                out_x, out_y, out_z, cos_air, cos_stone = into_air(dx, dy, dz, nx, ny, nz, index)
-                intensity = beam[12] * crossing_factor(
-                    cos_air, cos_stone, index, rules.law, rules.radiance, False
-                )
-            for part in range(parts):
-                # Below z = 0 the light is rear light, and above it is not.
-                rear = False
-                if became == TRAPPED:
-                    other[:n_cell] = one[:n_cell]
-                    n_part = n_cell
-                elif rules.rear_by_position:
-                    rear = part == 1
-                    sign = 1.0 if rear else -1.0
-                    low = high = real(state[2] + state[5] * one[0, 0] + state[8] * one[0, 1])
-                    for k in range(1, n_cell):
-                        z = real(state[2] + state[5] * one[k, 0] + state[8] * one[k, 1])
-                        low, high = min(low, z), max(high, z)
-                    if low > 0.0 or high <= 0.0:  # all on one side
-                        other[:n_cell] = one[:n_cell]
-                        n_part = n_cell if (high <= 0.0) == rear else 0
-                    else:
-                        n_part = clip(one, n_cell, sign * state[2], sign * state[5], sign * state[8], other)
+                state[9], state[10] = dx - 2.0 * cos * nx, dy - 2.0 * cos * ny
+                state[11] = dz - 2.0 * cos * nz
+                waiting = _push(waiting, cell, n_cell, met, reflections + 1, state)
+                continue
+            out_x, out_y, out_z, cos_air, cos_stone = into_air(dx, dy, dz, nx, ny, nz, index)
+            direction[0], direction[1], direction[2] = out_x, out_y, out_z
+            intensity = beam[12] * crossing_factor(
+                cos_air, cos_stone, index, rules.law, rules.radiance, False
+            )
+            for below in (False, True):  # at z <= 0 the light is rear light; or all of it is, or none
+                if rules.rear_by_position:
+                    n_part = _part_at_ground(cell, n_cell, state, below, part)
                 else:
-                    rear = real(out_z) <= 0.0
-                    other[:n_cell] = one[:n_cell]
-                    n_part = n_cell if part == 0 else 0
-                if n_part == 0:
+                    n_part = n_cell if (real(out_z) <= 0.0) == below else 0
+                    part[:n_part] = cell[:n_part]
+                size = area(part, n_part)
+                if n_part == 0 or real(size) < _NO_AREA:
                     continue
-                part_area = area(other, n_part)
-                if real(part_area) < _NO_AREA:
-                    continue
-                while n_corners + n_part > corners.shape[0]:
-                    corners = _grown(corners)
-                if m == ends.shape[0]:
-                    ends, what, values, states = _grown(ends), _grown(what), _grown(values), _grown(states)
-                corners[n_corners : n_corners + n_part] = other[:n_part]
-                n_corners += n_part
-                ends[m] = n_corners
-                what[m, 0], what[m, 1], what[m, 2], what[m, 3] = became, met, reflections, 1 if rear else 0
-                values[m, 0], values[m, 1] = part_area, dx * 0.0 if rear else intensity
-                values[m, 2], values[m, 3], values[m, 4] = out_x, out_y, out_z
-                states[m] = state
-                m += 1
+                left -= real(size)
+                found = _store(
+                    found, part, n_part, size, EXITED, met, reflections, below, zero if below else intensity,
+                    direction, state,
+                )  # fmt: skip
+        unaccounted += max(left, 0.0)
 
+    corners, m = found.counts[0], found.counts[1]
     return (
-        corners[:n_corners], ends[:m], what[:m], values[:m], states[:m], nodes[:n_nodes],
-        covered[:n_covered], covered_ends,
+        found.corners[:corners], found.ends[:m], found.what[:m], found.values[:m], found.states[:m],
+        nodes[:n_nodes], covered[:n_covered], covered_ends, unaccounted,
     )  # fmt: skip
