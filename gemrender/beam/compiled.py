@@ -3,6 +3,9 @@
 The polygons' kernel is written once and compiled twice, for float64 and for complex128. In the latter each
 number's imaginary part is `STEP` times its derivative by a parameter: the complex step (Squire & Trapp, SIAM
 Review 40, 110 (1998)), exact to rounding because nothing is subtracted. Decisions look at real parts only.
+
+For who changes a kernel: numba compiles a function anew when its own file has changed, not when one that it calls
+has. Remove `gemrender/beam/__pycache__` after a change of a function that others call.
 """
 
 from __future__ import annotations
@@ -28,8 +31,11 @@ def jit(function: Callable[..., Any]) -> Any:
 
 
 def jit_fast(function: Callable[..., Any]) -> Any:
-    """Compile a function that never meets NaN, and may add in any order: for vector instructions."""
-    return _compile(function, fastmath={"nnan", "nsz", "contract", "reassoc"})
+    """Compile a function that never meets NaN, for vector instructions.
+
+    Nothing is allowed that changes a result's last bit, which would depend on what is compiled together.
+    """
+    return _compile(function, fastmath={"nnan", "nsz"})
 
 
 def _compile(function: Callable[..., Any], **more: Any) -> Any:
