@@ -23,6 +23,8 @@ from gemrender.errors import BackendError, GemrenderError, InputError
 from gemrender.score import Score, score
 
 if TYPE_CHECKING:
+    from gemrender.beam import VirtualFacets, trace_facets
+    from gemrender.beam.sensitivity import sensitivity
     from gemrender.observation import Model, Observation, RayStatus, View
     from gemrender.stone import RoundBrilliant, Stone, bundled_stones, load_stone
 
@@ -39,10 +41,13 @@ __all__ = [
     "Score",
     "Stone",
     "View",
+    "VirtualFacets",
     "bundled_stones",
     "load_stone",
     "observe",
     "score",
+    "sensitivity",
+    "trace_facets",
 ]
 
 _ON_DEMAND = {
@@ -54,6 +59,9 @@ _ON_DEMAND = {
     "Stone": "gemrender.stone",
     "bundled_stones": "gemrender.stone",
     "load_stone": "gemrender.stone",
+    "VirtualFacets": "gemrender.beam",
+    "sensitivity": "gemrender.beam.sensitivity",
+    "trace_facets": "gemrender.beam",
 }
 
 

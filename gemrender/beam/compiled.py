@@ -4,8 +4,8 @@ The polygons' kernel is written once and compiled twice, for float64 and for com
 number's imaginary part is `STEP` times its derivative by a parameter: the complex step (Squire & Trapp, SIAM
 Review 40, 110 (1998)), exact to rounding because nothing is subtracted. Decisions look at real parts only.
 
-For who changes a kernel: numba compiles a function anew when its own file has changed, not when one that it calls
-has. Remove `gemrender/beam/__pycache__` after a change of a function that others call.
+For who changes a kernel: numba compiles a function anew when its own file has changed, not when one that it
+calls has. Remove `gemrender/beam/__pycache__` after a change of a function that others call.
 """
 
 from __future__ import annotations

@@ -101,6 +101,12 @@ BAD_INPUT = {
     f"{SCORE} --bound 0": "--bound = 0.0: must be from 0.0001 to 10 [%]",
     f"{SCORE} --engine exact --bound -1": "--bound = -1.0: must be from 0.0001 to 10 [%]",
     "score hollow.csv --engine exact": "hollow.csv: is hollow beside facet ",
+    "sensitivity": "STONE: missing: stone files, or names of bundled stones",
+    "sensitivity hollow.csv": "hollow.csv: has no proportions to differentiate by",
+    "sensitivity inoue-1 hollow.csv --out x": "hollow.csv: has no proportions to differentiate by",
+    "sensitivity inoue-1 --bound x": "--bound = 'x': must be a finite number of per cent",
+    "sensitivity inoue-1 --bound 0": "--bound = 0.0: must be from 0.0001 to 10 [%]",
+    "sensitivity inoue-1 --out text.toml": "--out = 'text.toml': must be a folder that can be written",
     "crosscheck inoue-1 --variant mono": "--variant = 'mono': must be one of llvm_ad_rgb, llvm_ad_mono, ",
     "scene inoue-1 --variant mono --out x": "--variant = 'mono': must be one of llvm_ad_rgb, ",
     f"{SCORE} --resolution x": "--resolution = 'x': must be a whole number, such as 1024",
@@ -297,6 +303,27 @@ def test_progress_of_many_stones_is_not_written_into_a_file(gemrender, monkeypat
     assert (
         gemrender("score", *["inoue-3"] * 50, "--engine", "reference", "--resolution", "2", "--json")[2] == ""
     )
+
+
+# ---- Derivatives ---------------------------------------------------------------------------------------
+
+
+def test_sensitivity_prints_a_row_for_each_parameter_and_writes_a_figure(folder, gemrender):
+    status, out, err = gemrender("sensitivity", "inoue-3", "--out", "d")
+    assert (status, err) == (0, "written: d/inoue-3-sensitivity.png\n")
+    rows = [line for line in out.splitlines() if " 1 %" in line or " 1 °" in line]
+    assert len(rows) == 10
+    assert "Inoue sample 3: Average 60.40, Rear 5.10" in out
+    assert names("d") == {"inoue-3-sensitivity.png"}
+
+
+def test_sensitivity_as_json(gemrender):
+    (found,) = json.loads(gemrender("sensitivity", "inoue-3", "--json")[1])
+    assert (found["name"], round(found["average"], 2)) == ("Inoue sample 3", 60.40)
+    first, *_, last = found["derivatives"]
+    assert (first["parameter"], first["kept"], first["unit"]) == ("table", "proportions", "%")
+    assert (last["parameter"], last["kept"]) == ("lower_half", "angles")
+    assert {"average", "rear", "average_bound", "rear_bound"} < set(first)
 
 
 # ---- Cross-check ---------------------------------------------------------------------------------------
