@@ -27,6 +27,8 @@ from gemrender.stone import Stone
 
 __all__ = ["observe", "pixel_facets"]
 
+#: Pixels that are dealt with at a time: whole rows.
+_BLOCK = 1 << 20
 #: Points this far outside an edge still count as inside [girdle radius]: none is lost between two facets.
 _EDGE_TOLERANCE = 1e-12
 
@@ -69,19 +71,24 @@ def observe(
     measured = measure(ready, view=view, model=model, bound=bound, seed=seed, progress=progress)
     facets = trace_facets(ready, view=view, model=model)
     right, up, _ = view.basis()
-    if rays is None:
-        x, y = view.cell_centres()
-        points = np.stack(np.broadcast_arrays(x, y[:, None]), axis=-1)
-    else:
-        points = np.stack([rays[0] @ right, rays[0] @ up], axis=-1)
-    points = points.reshape(-1, 2)
-    owner = pixel_facets(facets, points, view)
-    maps = _empty_maps(len(points))
-    _fill_from_facets(maps, facets, owner, points)
-    alone = np.flatnonzero(owner < 0)
-    _fill_from_rays(maps, ready, facets, alone, points[alone])
+    x, y = view.cell_centres()
+    maps = _empty_maps(view)
+    tables = _tables(facets)
+    rows = max(1, _BLOCK // view.resolution)
+    for first in range(0, view.resolution, rows):
+        block = slice(first, min(first + rows, view.resolution))
+        if rays is None:
+            points = np.stack(np.broadcast_arrays(x, y[block, None]), axis=-1)
+        else:
+            points = np.stack([rays[0][block] @ right, rays[0][block] @ up], axis=-1)
+        points = points.reshape(-1, 2)
+        owner = pixel_facets(facets, points, view, first)
+        part = {name: array[block].reshape(len(points), *array.shape[2:]) for name, array in maps.items()}
+        _fill(owner, points, *tables, *(part[name] for name in MAP_TYPES))
+        alone = np.flatnonzero(owner < 0)
+        _fill_from_rays(part, ready, facets, alone, points[alone])
     return Observation(
-        **{name: array.reshape(*view.shape, *array.shape[1:]) for name, array in maps.items()},
+        **maps,
         stone=ready.stone,
         view=view,
         model=facets.model,
@@ -91,13 +98,16 @@ def observe(
     )
 
 
-def pixel_facets(facets: VirtualFacets, points: np.ndarray, view: View) -> np.ndarray:
-    """Return the virtual facet that each pixel's point (n, 2) lies in, (n,), or -1 if in none."""
+def pixel_facets(facets: VirtualFacets, points: np.ndarray, view: View, first_row: int = 0) -> np.ndarray:
+    """Return the virtual facet that each pixel's point (n, 2) lies in, (n,), or -1 if in none.
+
+    The points are those of whole rows of the view's map, from a first row on.
+    """
     shown = np.flatnonzero(facets.status != FacetStatus.GIRDLE)
     owner = np.full(len(points), -1, dtype=np.int64)
     _draw(
         facets.corners, facets.starts[shown], facets.ends[shown], shown, points, view.resolution,
-        view.half_width, owner,
+        view.half_width, first_row, owner,
     )  # fmt: skip
     return owner
 
@@ -105,21 +115,22 @@ def pixel_facets(facets: VirtualFacets, points: np.ndarray, view: View) -> np.nd
 @jit
 def _draw(
     corners: Any, starts: Any, ends: Any, names: Any, points: Any, resolution: int, half_width: float,
-    owner: Any,
+    first_row: int, owner: Any,
 ) -> None:  # fmt: skip
     """Give every point within a convex polygon the polygon's name; on an edge the first one has it."""
     step = 2.0 * half_width / resolution
+    last_row = first_row + len(owner) // resolution - 1
     for f in range(len(starts)):
         polygon = corners[starts[f] : ends[f]]
         n = len(polygon)
         # A pixel more on every side, for points that are not quite at the centres.
         left = max(int((polygon[:, 0].min() + half_width) / step) - 1, 0)
         right = min(int((polygon[:, 0].max() + half_width) / step) + 1, resolution - 1)
-        top = max(int((half_width - polygon[:, 1].max()) / step) - 1, 0)
-        bottom = min(int((half_width - polygon[:, 1].min()) / step) + 1, resolution - 1)
+        top = max(int((half_width - polygon[:, 1].max()) / step) - 1, first_row)
+        bottom = min(int((half_width - polygon[:, 1].min()) / step) + 1, last_row)
         for row in range(top, bottom + 1):
             for column in range(left, right + 1):
-                pixel = row * resolution + column
+                pixel = (row - first_row) * resolution + column
                 if owner[pixel] >= 0:
                     continue
                 x, y = points[pixel, 0], points[pixel, 1]
@@ -135,46 +146,53 @@ def _draw(
                     owner[pixel] = names[f]
 
 
-def _empty_maps(n: int) -> dict[str, Any]:
-    maps: dict[str, Any] = {
-        name: np.zeros((n, 3) if name in ("exit_point", "exit_direction") else n, dtype=kind)
+def _empty_maps(view: View) -> dict[str, Any]:
+    return {
+        name: np.zeros(
+            (*view.shape, 3) if name in ("exit_point", "exit_direction") else view.shape, dtype=kind
+        )
         for name, kind in MAP_TYPES.items()
     }
-    maps["entry_facet"][:] = maps["exit_facet"][:] = -1
-    return maps
 
 
-def _fill_from_facets(
-    maps: dict[str, Any], facets: VirtualFacets, owner: np.ndarray, points: np.ndarray
-) -> None:
-    pixel = np.flatnonzero(owner >= 0)
-    of, at = owner[pixel], points[pixel]
+def _tables(facets: VirtualFacets) -> tuple[np.ndarray, ...]:
+    """Return what `_fill` needs of each virtual facet."""
     first = np.empty(len(facets.nodes), dtype=np.int64)
     code = np.empty(len(facets.nodes), dtype=np.int64)
     for node, (parent, facet) in enumerate(facets.nodes):  # parents come first
         first[node] = facet if parent < 0 else first[parent]
         before = 0 if parent < 0 else code[parent]
         code[node] = (before * PATH_CODE_FACTOR + facet + 1) & PATH_CODE_MASK
-    left = facets.status == FacetStatus.EXITED
     end = facets.node
-    values: dict[str, Any] = {
-        "primary_intensity": facets.primary_intensity[of],
-        "rear_mask": facets.rear_mask[of],
-        "coverage": 1.0,
-        "status": np.where(left, RayStatus.EXITED, RayStatus.TRAPPED)[of],
-        "reflections": facets.reflections[of],
-        "exit_point": np.where(
-            left[of, None],
-            facets.exit_map[of, 0] + at[:, :1] * facets.exit_map[of, 1] + at[:, 1:] * facets.exit_map[of, 2],
-            0.0,
-        ),
-        "exit_direction": np.where(left[of, None], facets.exit_direction[of], 0.0),
-        "entry_facet": first[end][of],
-        "exit_facet": np.where(left, facets.nodes[end, 1], -1)[of],
-        "path_code": code[end][of],
-    }
-    for name, value in values.items():
-        maps[name][pixel] = value
+    left = facets.status == FacetStatus.EXITED
+    status = np.where(left, int(RayStatus.EXITED), int(RayStatus.TRAPPED))
+    exit_facet = np.where(left, facets.nodes[end, 1], -1)
+    numbers = np.stack([status, facets.reflections, first[end], exit_facet, code[end]], axis=1)
+    return facets.primary_intensity, facets.rear_mask, numbers, facets.exit_map, facets.exit_direction
+
+
+@jit
+def _fill(
+    owner: Any, points: Any, facet_intensity: Any, facet_rear: Any, numbers: Any, exit_map: Any,
+    facet_direction: Any, primary_intensity: Any, rear_mask: Any, coverage: Any, status: Any,
+    reflections: Any, exit_point: Any, exit_direction: Any, entry_facet: Any, exit_facet: Any, path_code: Any,
+) -> None:  # fmt: skip
+    """Write what its virtual facet tells of each pixel into the maps, in the order of MAP_TYPES."""
+    for pixel in range(len(owner)):
+        f = owner[pixel]
+        if f < 0:
+            continue
+        primary_intensity[pixel] = facet_intensity[f]
+        rear_mask[pixel] = 1.0 if facet_rear[f] else 0.0
+        coverage[pixel] = 1.0
+        status[pixel], reflections[pixel] = numbers[f, 0], numbers[f, 1]
+        entry_facet[pixel], exit_facet[pixel], path_code[pixel] = numbers[f, 2], numbers[f, 3], numbers[f, 4]
+        if numbers[f, 3] < 0:
+            continue
+        x, y = points[pixel, 0], points[pixel, 1]
+        for k in range(3):
+            exit_point[pixel, k] = exit_map[f, 0, k] + x * exit_map[f, 1, k] + y * exit_map[f, 2, k]
+            exit_direction[pixel, k] = facet_direction[f, k]
 
 
 def _fill_from_rays(
