@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from gemrender.beam.compiled import jit, real
+from gemrender.beam.compiled import grown, jit, jit_inner, real
 from gemrender.beam.crossing import crossing_factor, into_air, into_stone
 
 __all__ = ["EXITED", "GIRDLE_CELL", "N_STATE", "TRAPPED", "area", "trace_polygons"]
@@ -96,15 +96,14 @@ class _Ahead(NamedTuple):
     candidates: Any  # (p,) the planes that may be nearest somewhere
 
 
-@jit
-def _grown(array: Any) -> Any:
-    """Return the array with twice as many rows."""
-    out = np.empty((2 * array.shape[0], *array.shape[1:]), array.dtype)
-    out[: array.shape[0]] = array
-    return out
+@jit_inner
+def _copy(polygon: Any, n: int, out: Any) -> None:
+    """Copy the first n corners; by a plain loop, which compiles much sooner than slices."""
+    for k in range(n):
+        out[k, 0], out[k, 1] = polygon[k, 0], polygon[k, 1]
 
 
-@jit
+@jit_inner
 def _store(
     found: Any, polygon: Any, n: int, size: Any, status: int, node: int, reflections: int, rear: bool,
     intensity: Any, direction: Any, state: Any,
@@ -113,39 +112,41 @@ def _store(
     n_corners, m = found.counts[0], found.counts[1]
     while n_corners + n > found.corners.shape[0]:
         found = _Found(
-            _grown(found.corners), found.ends, found.what, found.values, found.states, found.counts
+            grown(found.corners), found.ends, found.what, found.values, found.states, found.counts
         )  # fmt: skip
     if m == found.ends.shape[0]:
         found = _Found(
-            found.corners, _grown(found.ends), _grown(found.what), _grown(found.values),
-            _grown(found.states), found.counts,
+            found.corners, grown(found.ends), grown(found.what), grown(found.values),
+            grown(found.states), found.counts,
         )  # fmt: skip
-    found.corners[n_corners : n_corners + n] = polygon[:n]
+    _copy(polygon, n, found.corners[n_corners:])
     found.ends[m] = n_corners + n
     what = found.what[m]
     what[0], what[1], what[2], what[3] = status, node, reflections, 1 if rear else 0
     found.values[m, 0], found.values[m, 1] = size, intensity
-    found.values[m, 2:5] = direction
-    found.states[m] = state
+    for k in range(3):
+        found.values[m, 2 + k] = direction[k]
+    for k in range(N_STATE):
+        found.states[m, k] = state[k]
     found.counts[0], found.counts[1] = n_corners + n, m + 1
     return found
 
 
-@jit
+@jit_inner
 def _push(waiting: Any, polygon: Any, n: int, node: int, reflections: int, beam: Any) -> Any:
     """Let a polygon wait; return those that wait, in larger arrays where there was no room."""
     k = waiting.count[0]
     if k == waiting.facts.shape[0]:
-        waiting = _Waiting(
-            _grown(waiting.corners), _grown(waiting.beams), _grown(waiting.facts), waiting.count
-        )
-    waiting.corners[k, :n], waiting.beams[k] = polygon[:n], beam
+        waiting = _Waiting(grown(waiting.corners), grown(waiting.beams), grown(waiting.facts), waiting.count)
+    _copy(polygon, n, waiting.corners[k])
+    for e in range(N_STATE):
+        waiting.beams[k, e] = beam[e]
     waiting.facts[k, 0], waiting.facts[k, 1], waiting.facts[k, 2] = n, node, reflections
     waiting.count[0] = k + 1
     return waiting
 
 
-@jit
+@jit_inner
 def _point_on(i: int, facing: Any, planes: Any, basis: Any, state: Any) -> None:
     """Fill in where the eye's ray at (u, v) meets plane i: u right + v up + h eye, h affine in u and v."""
     nx, ny, nz = planes[i, 0], planes[i, 1], planes[i, 2]
@@ -158,7 +159,7 @@ def _point_on(i: int, facing: Any, planes: Any, basis: Any, state: Any) -> None:
         state[6 + k] = basis[1, k] + hv * basis[2, k]
 
 
-@jit
+@jit_inner
 def _outline(i: int, state: Any, solid: Any, wedge: Any, out: Any, spare: Any) -> int:
     """Cut a plane's facet out of the view: what lies within all other planes, the rim and the wedge."""
     planes, rim = solid.planes, solid.rim
@@ -169,7 +170,7 @@ def _outline(i: int, state: Any, solid: Any, wedge: Any, out: Any, spare: Any) -
     n = 4
     for w in range(wedge.shape[0]):
         n = clip(out, n, zero, zero + wedge[w, 0], zero + wedge[w, 1], spare) if n else 0
-        out[:n] = spare[:n]
+        _copy(spare, n, out)
     for j in range(planes.shape[0]):
         if j != i and n:
             n = clip(
@@ -179,16 +180,16 @@ def _outline(i: int, state: Any, solid: Any, wedge: Any, out: Any, spare: Any) -
                 planes[j, 0] * state[6] + planes[j, 1] * state[7] + planes[j, 2] * state[8],
                 spare,
             )  # fmt: skip
-            out[:n] = spare[:n]
+            _copy(spare, n, out)
     for w in range(rim.shape[0]):
         if n:
             a, b, c = _beyond_wall(rim, w, state)
             n = clip(out, n, a, b, c, spare)
-            out[:n] = spare[:n]
+            _copy(spare, n, out)
     return n
 
 
-@jit
+@jit_inner
 def _beyond_wall(walls: Any, w: int, state: Any) -> Any:
     """Return how far a beam's points lie beyond a wall: a + b u + c v."""
     return (
@@ -198,7 +199,7 @@ def _beyond_wall(walls: Any, w: int, state: Any) -> Any:
     )
 
 
-@jit
+@jit_inner
 def _look_ahead(planes: Any, beam: Any, polygon: Any, n: int, ahead: Any) -> int:
     """Find the planes that a beam may meet next; return how many."""
     for k in range(n):
@@ -246,10 +247,10 @@ def _look_ahead(planes: Any, beam: Any, polygon: Any, n: int, ahead: Any) -> int
     return count
 
 
-@jit
+@jit_inner
 def _cell(which: int, count: int, ahead: Any, polygon: Any, n: int, out: Any, spare: Any) -> int:
     """Cut the part out of a polygon at which one of the candidates is the nearest plane."""
-    out[:n] = polygon
+    _copy(polygon, n, out)
     i = ahead.candidates[which]
     for c in range(count):
         if c == which or n == 0:
@@ -262,11 +263,11 @@ def _cell(which: int, count: int, ahead: Any, polygon: Any, n: int, out: Any, sp
             ahead.distances[i, 2] - ahead.distances[j, 2],
             spare,
         )  # fmt: skip
-        out[:n] = spare[:n]
+        _copy(spare, n, out)
     return n
 
 
-@jit
+@jit_inner
 def _is_within(polygon: Any, n: int, state: Any, radius: float) -> bool:
     """Whether all of a polygon's points on a plane lie within this radius of the axis: so do its corners."""
     for k in range(n):
@@ -277,7 +278,7 @@ def _is_within(polygon: Any, n: int, state: Any, radius: float) -> bool:
     return True
 
 
-@jit
+@jit_inner
 def _part_at_ground(polygon: Any, n: int, state: Any, below: bool, out: Any) -> int:
     """Return the part of a polygon whose points on a plane lie at z <= 0, or that above."""
     low = high = real(state[2] + state[5] * polygon[0, 0] + state[8] * polygon[0, 1])
@@ -285,7 +286,7 @@ def _part_at_ground(polygon: Any, n: int, state: Any, below: bool, out: Any) -> 
         z = real(state[2] + state[5] * polygon[k, 0] + state[8] * polygon[k, 1])
         low, high = min(low, z), max(high, z)
     if low > 0.0 or high <= 0.0:  # all on one side
-        out[:n] = polygon[:n]
+        _copy(polygon, n, out)
         return n if (high <= 0.0) == below else 0
     sign = 1.0 if below else -1.0
     return int(clip(polygon, n, sign * state[2], sign * state[5], sign * state[8], out))
@@ -345,10 +346,13 @@ def trace_polygons(solid: Any, basis: Any, wedge: Any, rules: Any, least_area: f
     covered, n_covered = np.empty((1024, 2), kind), 0
     covered_ends = np.zeros(p, np.int64)
     cell, part = np.empty((_MOST_CORNERS, 2), kind), np.empty((_MOST_CORNERS, 2), kind)
+    polygon, beam = np.empty((_MOST_CORNERS, 2), kind), np.empty(N_STATE, kind)
     state, direction = np.empty(N_STATE, kind), np.empty(3, kind)
     zero = planes[0, 0] * 0.0
     unaccounted = 0.0
-    inner = walls[:, 2].min()
+    inner = walls[0, 2]
+    for w in range(walls.shape[0]):
+        inner = min(inner, walls[w, 2])
 
     # ---- The facets that the eye sees ----
     ex, ey, ez = basis[2, 0], basis[2, 1], basis[2, 2]
@@ -363,15 +367,15 @@ def trace_polygons(solid: Any, basis: Any, wedge: Any, rules: Any, least_area: f
         if n == 0 or real(area(cell, n)) < _NO_AREA:
             continue
         while n_covered + n > covered.shape[0]:
-            covered = _grown(covered)
-        covered[n_covered : n_covered + n] = cell[:n]
+            covered = grown(covered)
+        _copy(cell, n, covered[n_covered:])
         n_covered += n
         covered_ends[i] = n_covered
         dx, dy, dz, cos_air, cos_stone = into_stone(zero - ex, zero - ey, zero - ez, nx, ny, nz, index)
         state[9], state[10], state[11] = dx, dy, dz
         state[12] = crossing_factor(cos_air, cos_stone, index, rules.law, rules.radiance, True)
         if n_nodes == nodes.shape[0]:
-            nodes = _grown(nodes)
+            nodes = grown(nodes)
         nodes[n_nodes, 0], nodes[n_nodes, 1] = -1, i
         waiting = _push(waiting, cell, n, n_nodes, 0, state)
         n_nodes += 1
@@ -381,7 +385,9 @@ def trace_polygons(solid: Any, basis: Any, wedge: Any, rules: Any, least_area: f
         waiting.count[0] -= 1
         top = waiting.count[0]
         n, node, reflections = waiting.facts[top, 0], waiting.facts[top, 1], waiting.facts[top, 2]
-        polygon, beam = waiting.corners[top, :n].copy(), waiting.beams[top].copy()
+        _copy(waiting.corners[top], n, polygon)
+        for k in range(N_STATE):
+            beam[k] = waiting.beams[top, k]
         dx, dy, dz = beam[9], beam[10], beam[11]
         left = real(area(polygon, n))
         count = _look_ahead(planes, beam, polygon, n, ahead)
@@ -406,13 +412,13 @@ def trace_polygons(solid: Any, basis: Any, wedge: Any, rules: Any, least_area: f
                     size = area(part, n_part)
                     if real(size) >= _NO_AREA:
                         left -= real(size)
-                        direction[:] = zero
+                        direction[0] = direction[1] = direction[2] = zero
                         found = _store(
                             found, part, n_part, size, GIRDLE_CELL, node, reflections, False, zero, direction,
                             beam,
                         )  # fmt: skip
                     n_cell = clip(cell, n_cell, a, b, cc, part)
-                    cell[:n_cell] = part[:n_cell]
+                    _copy(part, n_cell, cell)
                     if n_cell == 0:
                         break
                 if n_cell == 0:
@@ -422,7 +428,7 @@ def trace_polygons(solid: Any, basis: Any, wedge: Any, rules: Any, least_area: f
                 continue
 
             if n_nodes == nodes.shape[0]:
-                nodes = _grown(nodes)
+                nodes = grown(nodes)
             nodes[n_nodes, 0], nodes[n_nodes, 1] = node, i
             met = n_nodes
             n_nodes += 1
@@ -450,7 +456,7 @@ def trace_polygons(solid: Any, basis: Any, wedge: Any, rules: Any, least_area: f
                     n_part = _part_at_ground(cell, n_cell, state, below, part)
                 else:
                     n_part = n_cell if (real(out_z) <= 0.0) == below else 0
-                    part[:n_part] = cell[:n_part]
+                    _copy(cell, n_part, part)
                 size = area(part, n_part)
                 if n_part == 0 or real(size) < _NO_AREA:
                     continue

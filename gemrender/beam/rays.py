@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from gemrender.beam.compiled import jit, jit_fast
+from gemrender.beam.compiled import jit, jit_fast, jit_inner
 from gemrender.beam.crossing import crossing_factor, into_air, into_stone
 from gemrender.beam.wall import is_outside, wall_crossing, wall_normal
 from gemrender.observation import PATH_CODE_FACTOR, PATH_CODE_MASK, RayStatus
@@ -45,7 +45,7 @@ _MISSED, _EXITED = int(RayStatus.MISSED), int(RayStatus.EXITED)
 _TRAPPED, _LOST = int(RayStatus.TRAPPED), int(RayStatus.LOST)
 
 
-@jit
+@jit_inner
 def _entry(ox: float, oy: float, oz: float, dx: float, dy: float, dz: float, solid: Any) -> Any:
     """Find the surface through which a ray from outside enters, and its distance; -1 if it misses."""
     planes = solid.values
@@ -90,7 +90,7 @@ def _nearest_plane(
     return surface, best
 
 
-@jit
+@jit_inner
 def _out_of_circle(ox: float, oy: float, dx: float, dy: float) -> float:
     """Return the distance at which a ray leaves the upright cylinder of radius 1."""
     a, b = dx * dx + dy * dy, ox * dx + oy * dy
@@ -99,7 +99,7 @@ def _out_of_circle(ox: float, oy: float, dx: float, dy: float) -> float:
     return (-b + math.sqrt(max(b * b - a * (ox * ox + oy * oy - 1.0), 0.0))) / a
 
 
-@jit
+@jit_inner
 def _follow(u: float, v: float, basis: Any, solid: Any, facet: Any, rules: Any, distances: Any) -> Any:
     """Follow the ray through (u, v) of the view from the eye until it leaves.
 

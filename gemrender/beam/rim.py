@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from gemrender.beam.compiled import jit
+from gemrender.beam.compiled import grown, jit, jit_inner
 
 __all__ = ["rim_points"]
 
@@ -49,8 +49,7 @@ def rim_points(
     for line in range(len(across)):
         n_gaps = _gaps(covered, covered_ends, wedge, reach, cos, sin, across[line], gaps)
         while n + n_gaps > len(lengths):
-            points, lengths = np.concatenate((points, points)), np.concatenate((lengths, lengths))
-            lines = np.concatenate((lines, lines))
+            points, lengths, lines = grown(points), grown(lengths), grown(lines)
         for k in range(n_gaps):
             s = gaps[k, 0] + along[line] * (gaps[k, 1] - gaps[k, 0])
             points[n, 0], points[n, 1] = s * cos - across[line] * sin, s * sin + across[line] * cos
@@ -59,7 +58,7 @@ def rim_points(
     return points[:n], lengths[:n], lines[:n]
 
 
-@jit
+@jit_inner
 def _gaps(
     covered: Any,
     covered_ends: Any,
@@ -95,7 +94,7 @@ def _gaps(
             continue
         k = n  # in order
         while k > 0 and spans[k - 1, 0] > a:
-            spans[k] = spans[k - 1]
+            spans[k, 0], spans[k, 1] = spans[k - 1, 0], spans[k - 1, 1]
             k -= 1
         spans[k, 0], spans[k, 1] = a, b
         n += 1
@@ -111,7 +110,7 @@ def _gaps(
     return n_gaps
 
 
-@jit
+@jit_inner
 def _chord(polygon: Any, cos: float, sin: float, across: float) -> Any:
     """Return where a line enters and leaves a convex polygon; where it passes by, 1 and -1."""
     start, end, found = 1.0, -1.0, False

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from gemrender.beam.compiled import jit
+from gemrender.beam.compiled import jit, jit_inner
 from gemrender.stone import Girdle
 
 __all__ = ["Wall", "is_outside", "wall_crossing", "wall_normal", "wall_of"]
@@ -64,7 +64,7 @@ def _edge(ring: np.ndarray) -> np.ndarray:
     return np.column_stack([azimuth, values, slopes])
 
 
-@jit
+@jit_inner
 def _on_edge(edge: Any, azimuth: float) -> Any:
     """Radius and height of an edge at an azimuth, and their slopes."""
     k = len(edge) - 1
@@ -76,7 +76,7 @@ def _on_edge(edge: Any, azimuth: float) -> Any:
     return edge[k, 1] + beyond * edge[k, 3], edge[k, 2] + beyond * edge[k, 4], edge[k, 3], edge[k, 4]
 
 
-@jit
+@jit_inner
 def _radius(wall: Any, azimuth: float, z: float) -> Any:
     """Radius of the wall, and its derivatives by azimuth and height."""
     r_upper, z_upper, dr_upper, dz_upper = _on_edge(wall.upper, azimuth)
@@ -102,7 +102,7 @@ def wall_normal(wall: Any, x: float, y: float, z: float) -> Any:
     return nx / length, ny / length, nz / length
 
 
-@jit
+@jit_inner
 def _cylinder(ox: float, oy: float, dx: float, dy: float, radius: float) -> Any:
     """Distances at which a ray enters and leaves an upright cylinder; infinite ones where it misses it."""
     a, b, c = dx * dx + dy * dy, ox * dx + oy * dy, ox * ox + oy * oy - radius * radius
