@@ -101,6 +101,8 @@ class NearGirdle:
     def go_on(self, numbers: tuple[int, int], progress: Callable[[float], None] | None = None) -> None:
         """Go on until each set has so many rays in the girdle cells and on the rim."""
         for k, region in enumerate(self._regions):
+            if (self.cell_area, self.rim_area)[k] == 0:  # nowhere to put them
+                continue
             total = self.sums[:, k] * self._done[k]
             for first in range(self._done[k], numbers[k], _BLOCK):
                 last = min(first + _BLOCK, numbers[k])

@@ -270,6 +270,15 @@ def test_threads_change_nothing():
     assert near[0].rays == near[1].rays
 
 
+def test_a_stone_without_girdle_cells_takes_no_rays_for_them():
+    """As one that was moved to where its last girdle cell vanished, asked for as many rays as before."""
+    stone = beam_stone(load_stone("inoue-3"))
+    near = NearGirdle(stone, trace_facets(stone, whole=False), seed=1)
+    assert near.cell_area == 0
+    near.go_on((50, 50))
+    assert near.found()[:, MET] == pytest.approx(near.rim_area)
+
+
 @pytest.mark.parametrize("bound", [0, -1, 11, float("nan"), True, "small", None])
 def test_a_bound_out_of_range_is_refused(bound):
     low, high = BOUND_RANGE
