@@ -209,20 +209,20 @@ def draw(found: dict[str, list[Row]], resolutions: Sequence[int]) -> Figure:
     figure = Figure(figsize=(10.4, 5.4), dpi=140)
     title = "Mitsuba's maps converge to the exact score"
     figure.text(0.06, 0.935, title, fontsize=16, fontweight="bold", color=_INK)
-    text = "Difference to the exact score: median of each group, its range shaded (smallest to largest)"
+    text = "Difference to the exact score: median of each group, shaded from the smallest to the largest"
     figure.text(0.06, 0.885, text, fontsize=10, color=_GREY)
     sizes = {group: np.abs([row.errors for row in rows]) for group, rows in found.items() if rows}
     everything = np.concatenate(list(sizes.values()))
     rows = [row for of_group in found.values() for row in of_group]
     bounds = {
-        "bound of exact scores by default": max(row.default.bound for row in rows),
-        "bound of the exact scores compared with": max(row.truth.bound for row in rows),
+        "bound of the default exact score": max(row.default.bound for row in rows),
+        "bound of what is taken for the truth": max(row.truth.bound for row in rows),
     }
     # A difference that happens to be next to nothing is no reason for an empty decade.
     low = 0.5 * min(np.percentile(everything, 2), *bounds.values())
     high = 2.0 * everything.max()
     for column, name in enumerate(_SCORES):
-        axes: Axes = figure.add_axes((0.08 + 0.48 * column, 0.12, 0.42, 0.66))
+        axes: Axes = figure.add_axes((0.08 + 0.48 * column, 0.115, 0.42, 0.61))
         axes.set_xscale("log", base=2)
         axes.set_yscale("log")
         for group, errors in sizes.items():
@@ -249,10 +249,11 @@ def draw(found: dict[str, list[Row]], resolutions: Sequence[int]) -> Figure:
                 ha="right" if right else "left",
                 va="bottom",
                 fontsize=8.5,
-                color=_GREY,
+                color=_INK,
+                annotation_clip=True,
             )
         axes.set_ylim(low, high)
-        axes.set_title(f"Error of {name} [%]", loc="left", fontsize=12, fontweight="bold", color=_INK)
+        axes.set_title(f"Error of {name} [%]", loc="left", pad=10, fontsize=12, fontweight="bold", color=_INK)
         axes.set_xticks(resolutions, [str(resolution) for resolution in resolutions])
         axes.minorticks_off()
         axes.set_xlabel("pixels a side", fontsize=10.5, color=_INK)
@@ -260,8 +261,10 @@ def draw(found: dict[str, list[Row]], resolutions: Sequence[int]) -> Figure:
         axes.spines[["top", "right"]].set_visible(False)
         axes.grid(axis="y", color=_FAINT, lw=0.7)
         axes.set_axisbelow(True)
-        if column:
-            axes.legend(frameon=False, fontsize=9.5, loc="upper right", labelcolor=_INK)
+    figure.legend(
+        *axes.get_legend_handles_labels(), ncols=4, frameon=False, fontsize=9.5, labelcolor=_INK,
+        loc="center left", bbox_to_anchor=(0.05, 0.835), handlelength=2.6, columnspacing=2.2,
+    )  # fmt: skip
     return figure
 
 
