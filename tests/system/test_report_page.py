@@ -310,7 +310,8 @@ def test06_keyboard(opened, pages):
     after = seen.ray()
     assert float(after["x"]) - float(before["x"]) == pytest.approx(2 / RESOLUTION, abs=1e-12)
     assert float(before["y"]) - float(after["y"]) == pytest.approx(16 * 2 / RESOLUTION, abs=1e-12)
-    page.wait_for_function("document.getElementById('announce').textContent.includes('%')")
+    # Not wait_for_function: where it has to poll it calls eval, which the page's security policy forbids.
+    page.locator("#announce").filter(has_text="%").wait_for(state="attached")
 
 
 def test07_hover_tells_facet_and_intensity(opened, pages, observed):
