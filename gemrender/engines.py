@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from gemrender.errors import BackendError, InputError
 
 if TYPE_CHECKING:
-    from gemrender.observation import Observation
+    from gemrender.observation import Measurement, Model, Observation, View
     from gemrender.stone import Stone
 
 __all__ = [
@@ -20,6 +20,7 @@ __all__ = [
     "ENGINES",
     "VARIANTS",
     "engine_for",
+    "measure",
     "observe",
     "observe_alike",
     "require_engine",
@@ -158,10 +159,7 @@ def observe(
     BackendError
         The engine cannot run here.
     """
-    from gemrender.observation import Model, View
-
-    model = Model.of(stone, fresnel=fresnel, rear=rear, intensity=intensity)
-    view = View.of(stone, resolution, tilt_deg=tilt_deg, tilt_azimuth_deg=tilt_azimuth_deg)
+    view, model = _asked(stone, resolution, fresnel, rear, intensity, tilt_deg, tilt_azimuth_deg)
     require_engine(engine, variant, stones=[stone], bound=bound)
     used = engine_for(engine, stone)
     if used == "exact":
@@ -175,6 +173,51 @@ def observe(
     from gemrender.render.observe import observe as by_mitsuba
 
     return by_mitsuba(stone, view, model, variant=variant, progress=progress)
+
+
+def measure(
+    stone: Stone,
+    *,
+    resolution: int = DEFAULT_RESOLUTION,
+    variant: str = DEFAULT_VARIANT,
+    fresnel: str | None = None,
+    rear: str = "position",
+    intensity: str = "primary",
+    tilt_deg: float = 0.0,
+    tilt_azimuth_deg: float = 0.0,
+    bound: float = DEFAULT_BOUND,
+    seed: int = 1,
+    progress: Callable[[float], None] | None = None,
+) -> tuple[Measurement, View, Model]:
+    """Score a stone by the exact engine without maps, which cost more than the score.
+
+    Options and errors as for `observe`; resolution and variant are checked, and make no difference.
+
+    Returns
+    -------
+    (Measurement, View, Model)
+        What was measured, from where, and by which model.
+    """
+    view, model = _asked(stone, resolution, fresnel, rear, intensity, tilt_deg, tilt_azimuth_deg)
+    require_engine("exact", variant, stones=[stone], bound=bound)
+    from gemrender.beam import measure as by_beams
+
+    return by_beams(stone, view=view, model=model, bound=bound, seed=seed, progress=progress), view, model
+
+
+def _asked(
+    stone: Stone,
+    resolution: int,
+    fresnel: str | None,
+    rear: str,
+    intensity: str,
+    tilt_deg: float,
+    tilt_azimuth_deg: float,
+) -> tuple[View, Model]:
+    from gemrender.observation import Model, View
+
+    model = Model.of(stone, fresnel=fresnel, rear=rear, intensity=intensity)
+    return View.of(stone, resolution, tilt_deg=tilt_deg, tilt_azimuth_deg=tilt_azimuth_deg), model
 
 
 def observe_alike(

@@ -6,15 +6,7 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-from gemrender.engines import (
-    DEFAULT_BOUND,
-    DEFAULT_ENGINE,
-    DEFAULT_RESOLUTION,
-    DEFAULT_VARIANT,
-    engine_for,
-    observe,
-    require_engine,
-)
+from gemrender.engines import DEFAULT_ENGINE, engine_for, measure, observe
 from gemrender.errors import InputError
 
 if TYPE_CHECKING:
@@ -199,26 +191,7 @@ def score(stone: Stone, *, engine: str = DEFAULT_ENGINE, **options: Any) -> Scor
     """Trace a stone and score it; options and errors as for `observe`."""
     if engine_for(engine, stone) != "exact":
         return score_observation(observe(stone, engine=engine, **options))
-    # Without maps, which cost more than the score.
-    require_engine(
-        "exact",
-        options.get("variant", DEFAULT_VARIANT),
-        stones=[stone],
-        bound=options.get("bound", DEFAULT_BOUND),
-    )
-    from gemrender.beam import measure
-    from gemrender.observation import Model, View
-
-    model = Model.of(
-        stone, **{key: options[key] for key in ("fresnel", "rear", "intensity") if key in options}
-    )
-    view = View.of(
-        stone,
-        options.get("resolution", DEFAULT_RESOLUTION),
-        **{key: options[key] for key in ("tilt_deg", "tilt_azimuth_deg") if key in options},
-    )
-    known = {key: options[key] for key in ("bound", "seed", "progress") if key in options}
-    measured = measure(stone, view=view, model=model, **known)
+    measured, view, model = measure(stone, **options)
     return _exact_score(measured, stone, view, model, measured.seconds)
 
 

@@ -12,7 +12,7 @@ from gemrender.beam.compiled import jit
 from gemrender.beam.crossing import EXACT, GUBELIN
 from gemrender.beam.polygons import EXITED, GIRDLE_CELL, TRAPPED, trace_polygons
 from gemrender.beam.rules import Rules
-from gemrender.beam.solid import WEDGE, BeamStone, beam_stone
+from gemrender.beam.solid import NO_WEDGE, BeamStone, beam_stone
 from gemrender.observation import LIGHT_LEVEL, Model, View
 from gemrender.stone import Stone
 from gemrender.stone.topology import FACET_KINDS, FACET_NAMES, N_SECTORS
@@ -99,6 +99,11 @@ class VirtualFacets:
     def is_counted(self) -> np.ndarray:
         """(n,) bool: which of them count as virtual facets: not girdle cells, nor slivers of rounding."""
         return np.asarray((self.status != FacetStatus.GIRDLE) & (self.area > SMALLEST_FACET))
+
+    @property
+    def parts(self) -> int:
+        """So many images of what was traced make the whole view."""
+        return 16 if len(self.wedge) else 1
 
     def polygon(self, i: int) -> np.ndarray:
         """Return the corners of a virtual facet, (k, 2) [girdle radius]."""
@@ -188,7 +193,7 @@ def trace_facets(
     ready = stone if isinstance(stone, BeamStone) else beam_stone(stone)
     view = view or View(resolution=1)
     model = model or Model.of(ready.stone)
-    wedge = WEDGE if ready.symmetric and not whole and view.tilt_deg == 0 else np.empty((0, 2))
+    wedge = NO_WEDGE if whole else ready.wedge(view)
     corners, ends, what, values, beams, nodes, covered, covered_ends, unaccounted = trace_polygons(
         ready.solid, view.basis(), wedge, kernel_rules(model), LEAST_AREA
     )

@@ -90,7 +90,6 @@ def measure(
         rays = int(rays * min(max(1.2 * (scatter / allowed) ** 1.6, 1.5), 8.0))
     images, area = facets.images(), float(sums[:, MET].mean())
     counted = facets.is_counted
-    parts = 16 if len(facets.wedge) else 1
     return Measurement(
         average=float(scores[INTENSITY]),
         rear=float(scores[REAR]),
@@ -99,7 +98,7 @@ def measure(
         lost=float(scores[LOST]),
         bound=scatter + unsolved,
         rays=near.rays,
-        area=parts * area,
+        area=facets.parts * area,
         sizes=np.repeat((100.0 / area * facets.area / images)[counted], images[counted]),
         girdle=100.0 * (1.0 - told[MET] / area),
         seconds=time.perf_counter() - start,

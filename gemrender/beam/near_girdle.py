@@ -82,8 +82,7 @@ class NearGirdle:
         cells = _Cells(facets)
         self._regions: tuple[_Region, _Region] = (cells, _Rim(facets))
         self.cell_area = cells.area
-        parts = 16 if len(facets.wedge) else 1
-        self.view_area = view_area(facets.stone, facets.view) / parts
+        self.view_area = view_area(facets.stone, facets.view) / facets.parts
         self.rim_area = max(self.view_area - float(facets.area.sum()), 0.0)
 
     def numbers(self, rays: int) -> tuple[int, int]:

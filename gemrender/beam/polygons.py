@@ -6,7 +6,8 @@ lower envelope of affine functions: the polygon falls into one convex cell for e
 reflection sends the cell on, below the critical angle it is done, cut once more along z = 0.
 
 The girdle is curved. Before it stand upright planes inside the stone, its `walls`: a cell that meets one is
-given out as a girdle cell, for `lines` to follow, and all other polygons never come near the girdle.
+given out as a girdle cell, for single rays (`rays`) to follow, and no other polygon ever comes near the
+girdle.
 """
 
 from __future__ import annotations

@@ -116,7 +116,7 @@ def _follow(u: float, v: float, basis: Any, solid: Any, facet: Any, rules: Any, 
     first, t = _entry(ox, oy, oz, dx, dy, dz, solid)
     if first < 0:
         return _MISSED, 0.0, False, 0, -1, -1, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    planes, girdle, is_round = solid.values, solid.values.shape[0], solid.wall.is_round
+    planes, girdle = solid.values, solid.values.shape[0]
     code = facet[first] + 1
     ox, oy, oz = ox + t * dx, oy + t * dy, oz + t * dz
     if first == girdle:
@@ -127,7 +127,7 @@ def _follow(u: float, v: float, basis: Any, solid: Any, facet: Any, rules: Any, 
     leaving = crossing_factor(cos_air, cos_stone, rules.refractive_index, rules.law, rules.radiance, True)
     for reflections in range(rules.max_reflections + 1):
         i, t = _nearest_plane(ox, oy, oz, dx, dy, dz, solid.columns, distances)
-        if is_round:
+        if solid.wall.is_round:
             t_girdle = _out_of_circle(ox, oy, dx, dy)
         else:
             t_girdle = wall_crossing(solid.wall, ox, oy, oz, dx, dy, dz, 0.0, t, True)
@@ -139,9 +139,6 @@ def _follow(u: float, v: float, basis: Any, solid: Any, facet: Any, rules: Any, 
         ox, oy, oz = ox + t * dx, oy + t * dy, oz + t * dz
         if i < girdle:
             nx, ny, nz = planes[i, 0], planes[i, 1], planes[i, 2]
-        elif is_round:
-            r = math.sqrt(ox * ox + oy * oy)
-            nx, ny, nz = ox / r, oy / r, 0.0
         else:
             nx, ny, nz = wall_normal(solid.wall, ox, oy, oz)
         cos = dx * nx + dy * ny + dz * nz

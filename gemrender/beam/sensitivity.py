@@ -22,7 +22,7 @@ from gemrender.beam.measure import check_bound, facet_sums
 from gemrender.beam.near_girdle import SETS, STUDENT_T, NearGirdle
 from gemrender.beam.polygons import GIRDLE_CELL, trace_polygons
 from gemrender.beam.rays import INTENSITY, MET, REAR
-from gemrender.beam.solid import WEDGE, BeamStone, beam_stone
+from gemrender.beam.solid import BeamStone, beam_stone
 from gemrender.errors import InputError
 from gemrender.observation import LIGHT_LEVEL, Model, View
 from gemrender.stone import RoundBrilliant, Stone
@@ -149,7 +149,7 @@ def facet_totals(
         cells [girdle radius^2]; of a symmetric stone seen from straight above, of a sixteenth of the view.
     """
     view = view or View(resolution=1)
-    wedge = WEDGE if ready.symmetric and view.tilt_deg == 0 else np.empty((0, 2))
+    wedge = ready.wedge(view)
     solid = ready.solid._replace(planes=planes, values=np.ascontiguousarray(planes.real))
     rules = kernel_rules(model or Model.of(ready.stone))
     _, _, what, values, *_ = trace_polygons(solid, view.basis(), wedge, rules, LEAST_AREA)

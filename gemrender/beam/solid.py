@@ -9,10 +9,11 @@ import numpy as np
 from gemrender.beam.rules import Solid
 from gemrender.beam.wall import wall_of
 from gemrender.errors import InputError
+from gemrender.observation import View
 from gemrender.stone import Girdle, Stone
 from gemrender.stone.topology import FACET_NAMES, N_SECTORS, TRIANGLE_FACET
 
-__all__ = ["WEDGE", "BeamStone", "beam_stone"]
+__all__ = ["NO_WEDGE", "BeamStone", "beam_stone"]
 
 #: Upright planes a sixteenth of a round girdle, for beams inside the stone and for the rim of the view.
 #: More of them leave less light to single rays, and cut it into more cells.
@@ -25,7 +26,9 @@ _HOLLOW = 1e-5
 
 _STEP = np.pi / 8
 #: The sixteenth of the view that the others are turned and mirrored images of: wedge . (u, v) <= 0.
-WEDGE = np.array([[0.0, -1.0], [-np.sin(_STEP), np.cos(_STEP)]])
+_WEDGE = np.array([[0.0, -1.0], [-np.sin(_STEP), np.cos(_STEP)]])
+#: The whole view.
+NO_WEDGE = np.empty((0, 2))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -48,6 +51,10 @@ class BeamStone:
     solid: Solid
     facet: np.ndarray
     symmetric: bool
+
+    def wedge(self, view: View) -> np.ndarray:
+        """Return the part of a view that tells all of it, (k, 2): a sixteenth, or no wedge for all."""
+        return _WEDGE if self.symmetric and view.tilt_deg == 0 else NO_WEDGE
 
 
 def beam_stone(stone: Stone) -> BeamStone:

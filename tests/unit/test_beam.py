@@ -22,7 +22,7 @@ from gemrender.engines import engine_for, observe, require_engine
 from gemrender.errors import InputError
 from gemrender.observation import Model, View
 from gemrender.optics.fresnel import transmittance
-from gemrender.score import score
+from gemrender.score import BAND_EDGES, score
 from gemrender.stone import RoundBrilliant, Stone, load_stone
 from gemrender.stone.random import random_brilliant
 
@@ -316,3 +316,15 @@ def test_a_stone_of_no_girdle_height_is_scored():
     exact = score(gem(thin), engine="exact")
     seen = score(gem(thin), engine="reference", resolution=256)
     assert exact.average == pytest.approx(seen.average, abs=0.25)
+
+
+@pytest.mark.parametrize("engine", ["exact", "reference"])
+def test_a_misspelt_option_is_refused_not_passed_over(engine):
+    with pytest.raises(TypeError, match="resoltion"):
+        score(load_stone("inoue-3"), engine=engine, resoltion=5)
+
+
+def test_single_rays_sort_by_the_bands_of_scores():
+    from gemrender.beam.rays import BAND_EDGES as SHARES
+
+    assert [100 * share for share in SHARES] == list(BAND_EDGES[:-1])
