@@ -70,7 +70,8 @@ ARGUMENTS = {
         for key in (
             "engine", "variant", "resolution", "fresnel", "rear", "intensity", "tilt", "tilt_azimuth",
             "random", "seed", "out", "draws", "bound", "jitter", "what", "at", "azimuth", "rays", "colour",
-            "format",
+            "format", "setup", "size", "spp", "noise", "time", "material", "carat", "diameter", "exposure",
+            "curve", "bins", "range", "frames", "fps", "turn",
         )
     },
 }  # fmt: skip

@@ -8,10 +8,11 @@ from typing import Annotated, Any, NoReturn
 import typer
 from typer.core import TyperGroup
 
-from gemrender.cli.about import doctor, stones
+from gemrender.cli.about import doctor, materials, setups, stones
 from gemrender.cli.compare import compare
 from gemrender.cli.options import ARGUMENTS, listed
 from gemrender.cli.output import say
+from gemrender.cli.render import render
 from gemrender.cli.report import report
 from gemrender.cli.scene import scene
 from gemrender.cli.score import crosscheck, score
@@ -44,7 +45,8 @@ app = typer.Typer(
 )
 
 for _command in (
-    score, compare, sensitivity, show, report, symmetry, crosscheck, scene, stones, doctor,
+    score, compare, sensitivity, show, report, render, symmetry, crosscheck, scene, stones, setups,
+    materials, doctor,
 ):  # fmt: skip
     app.command()(_command)
 

@@ -1,8 +1,19 @@
-"""Optics of the surface: transmittance and refractive indices. Needs numpy only."""
+"""Optics of gem materials: transmittance of their surface, index, dispersion and colour. Needs numpy only."""
 
 from __future__ import annotations
 
 from gemrender.optics.fresnel import FRESNEL_LAWS, critical_angle_deg, transmittance
-from gemrender.optics.materials import refractive_index
+from gemrender.optics.material import Material, carat_to_girdle_diameter_mm
+from gemrender.optics.material_files import load_material
+from gemrender.optics.materials import material_names, refractive_index
 
-__all__ = ["FRESNEL_LAWS", "critical_angle_deg", "refractive_index", "transmittance"]
+__all__ = [
+    "FRESNEL_LAWS",
+    "Material",
+    "carat_to_girdle_diameter_mm",
+    "critical_angle_deg",
+    "load_material",
+    "material_names",
+    "refractive_index",
+    "transmittance",
+]

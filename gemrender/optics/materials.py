@@ -1,39 +1,189 @@
-"""Refractive indices of gem materials at the sodium D line, 589.3 nm."""
+"""The materials that gemrender knows: colourless crystals, and body colours of some."""
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache, partial
+
 from gemrender.errors import InputError
+from gemrender.optics import absorption
+from gemrender.optics.dispersion import Formula
 from gemrender.optics.fresnel import GUBELIN_INDEX
+from gemrender.optics.material import INDEX_RANGE, SODIUM_NM, VISIBLE_NM, Material, constant_index
+from gemrender.optics.tabulated import Table
 
-__all__ = ["INDEX_RANGE", "INDICES", "refractive_index"]
+__all__ = ["INDEX_RANGE", "find_material", "material_names", "normal_name", "refractive_index"]
 
-#: Index at 589.3 nm relative to air; of birefringent stones the ordinary one. Diamond is the paper's value.
-#: Sources: diamond, Inoue's paper (Peter 1923 gives 2.41726); sapphire, Malitson & Dodge 1972; cubic
-#: zirconia with 12 % Y2O3, Wood & Nassau 1982; moissanite 6H, Wang et al. 2013; spinel, Tropf; quartz,
-#: Ghosh 1999; YAG, Zelmon et al.; strontium titanate, Bond/Dodge; rutile, Devore.
-INDICES: dict[str, float] = {
-    "diamond": GUBELIN_INDEX,
-    "cubic zirconia": 2.15846,
-    "moissanite": 2.64743,
-    "quartz": 1.5442,
-    "rutile": 2.6129,
-    "sapphire": 1.76808,
-    "spinel": 1.7161,
-    "strontium titanate": 2.4080,
-    "yag": 1.8326,
+_ORDINARY = "birefringent: rendered with its ordinary index"
+_CHOSEN = "bands of the literature, strength chosen for about 1 carat"
+_COLOUR, _GRADE = f"body colour: {_CHOSEN}", f"colour grade: {_CHOSEN}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Colour:
+    """A body colour: the crystal that has it, and how it absorbs."""
+
+    crystal: str
+    absorption: Callable[[], Table | None]
+    source: str
+    note: str = _COLOUR
+
+
+def _crystal(
+    name: str, formula: str, coefficients: tuple[object, ...], range_nm: tuple[float, float],
+    density: float, source: str, note: str = "",
+) -> Material:  # fmt: skip
+    """Make a colourless material, and note where its formula is continued in the visible."""
+    low, high = max(range_nm[0], VISIBLE_NM[0]), min(range_nm[1], VISIBLE_NM[1])
+    notes = [note] if note else []
+    if low > VISIBLE_NM[0]:
+        notes.append(f"formula of {range_nm[0]:g} nm and above, continued to {VISIBLE_NM[0]:g} nm")
+    if high < VISIBLE_NM[1]:
+        notes.append(f"formula of {range_nm[1]:g} nm and below, continued to {VISIBLE_NM[1]:g} nm")
+    return Material(
+        name=name,
+        dispersion=Formula(formula=formula, coefficients=coefficients),
+        range_nm=range_nm,
+        source=source,
+        note="; ".join(notes),
+        density=density,
+    )
+
+
+@cache
+def _crystals() -> dict[str, Material]:
+    """Return the colourless materials by name.
+
+    Coefficients as published, for wavelengths in micrometres; they and the ranges are those of
+    refractiveindex.info (CC0). Densities: O'Donoghue, Gems, 6th ed. (2006), rounded.
+    """
+    made = (
+        _crystal(
+            "diamond", "sellmeier", ((4.3356, 0.1060), (0.3306, 0.1750)), (226, 760), 3.52,
+            "F. Peter, Z. Phys. 15, 358 (1923)",
+        ),
+        _crystal(
+            "cubic zirconia", "sellmeier",
+            ((1.347091, 0.062543), (2.117788, 0.166739), (9.452943, 24.320570)), (361, 5135), 5.9,
+            "Wood & Nassau, Appl. Opt. 21, 2978 (1982), 12 % Y2O3",
+        ),
+        _crystal(
+            "moissanite", "pole", (6.57232, 0.1401, 0.03178, -0.02153), (435.8, 2325), 3.22,
+            "Wang et al., Laser Photonics Rev. 7, 831 (2013), 6H, ordinary", _ORDINARY,
+        ),
+        _crystal(
+            "quartz", "sellmeier-2", ((0.28604141, 0.0), (1.07044083, 1.00585997e-2), (1.10202242, 100.0)),
+            (198, 2053.1), 2.65, "G. Ghosh, Opt. Commun. 163, 95 (1999), ordinary", _ORDINARY,
+        ),
+        _crystal(
+            "rutile", "pole", (5.913, 0.2441, 0.0803, 0.0), (430, 1530), 4.26,
+            "J. R. Devore, J. Opt. Soc. Am. 41, 416 (1951), ordinary",
+            f"{_ORDINARY}; its own absorption below 430 nm is left out",
+        ),
+        _crystal(
+            "sapphire", "sellmeier",
+            ((1.43134930, 0.0726631), (0.65054713, 0.1193242), (5.3414021, 18.028251)), (200, 5000), 4.00,
+            "Malitson & Dodge, J. Opt. Soc. Am. 62, 1405 (1972); Dodge (1986), ordinary", _ORDINARY,
+        ),
+        _crystal(
+            "spinel", "sellmeier", ((1.8938, 0.09942), (3.0755, 15.826)), (350, 5500), 3.60,
+            "Tropf & Thomas, in Palik, Handbook of Optical Constants of Solids II (1991)",
+        ),
+        _crystal(
+            "strontium titanate", "sellmeier",
+            ((3.042143, 0.1475902), (1.170065, 0.2953086), (30.83326, 33.18606)), (430, 3800), 5.13,
+            "W. L. Bond, J. Appl. Phys. 36, 1674 (1965); Dodge (1986)",
+        ),
+        _crystal(
+            "yag", "sellmeier-2", ((2.28200, 0.01185), (3.27644, 282.734)), (400, 5000), 4.55,
+            "Zelmon, Small & Page, Appl. Opt. 37, 4933 (1998)",
+        ),
+    )  # fmt: skip
+    return {material.name: material for material in made}
+
+
+_COLOURS: dict[str, _Colour] = {
+    "ruby": _Colour(
+        crystal="sapphire",
+        absorption=absorption.ruby,
+        source="McClure (1962), Cronemeyer (1966)",
+        note=f"{_COLOUR}; no fluorescence",
+    ),
+    "blue sapphire": _Colour(
+        crystal="sapphire", absorption=absorption.blue_sapphire, source="Ferguson & Fielding (1971)"
+    ),
+    "fancy yellow diamond": _Colour(
+        crystal="diamond", absorption=absorption.fancy_yellow, source="Dyer et al. (1965), Collins (1982)"
+    ),
+    **{
+        f"diamond {grade}": _Colour(
+            crystal="diamond",
+            absorption=partial(absorption.cape_diamond, grade),
+            source="Walker (1979), Collins (1982)",
+            note=_GRADE if grade != "d" else "colour grade: without absorption",
+        )
+        for grade in absorption.DIAMOND_GRADES
+    },
 }
 
-#: Allowed range of a refractive index given as a number.
-INDEX_RANGE = (1.05, 4.0)
+
+def material_names() -> list[str]:
+    """Return the names of the materials that come with gemrender, in alphabetical order."""
+    return sorted([*_crystals(), *_COLOURS])
+
+
+def normal_name(name: str) -> str:
+    """Return a name as the materials are called: case, hyphens, underscores and more spaces do not count."""
+    return " ".join(name.lower().replace("-", " ").replace("_", " ").split())
+
+
+@cache
+def _material(name: str) -> Material:
+    if name not in _COLOURS:
+        return _crystals()[name]
+    colour = _COLOURS[name]
+    crystal = _crystals()[colour.crystal]
+    return replace(
+        crystal,
+        name=name,
+        absorption=colour.absorption(),
+        source=f"{crystal.source}; colour: {colour.source}",
+        note="; ".join(part for part in (crystal.note, colour.note) if part),
+    )
+
+
+def find_material(name: str, hint: str = "") -> Material:
+    """Return a material by its name.
+
+    Parameters
+    ----------
+    name : str
+        One of `material_names`; case, hyphens and underscores do not count.
+    hint : str
+        What an error adds to the names that are allowed.
+
+    Raises
+    ------
+    InputError
+        Unknown name.
+    """
+    wanted = normal_name(name)
+    if wanted not in _COLOURS and wanted not in _crystals():
+        raise InputError(f"must be {_listed(wanted, hint)}", key="name", value=name)
+    return _material(wanted)
 
 
 def refractive_index(material: str | float | None) -> float:
-    """Return the refractive index of a material at 589.3 nm.
+    """Return the refractive index of a material at 589.3 nm, which scores are computed at.
+
+    Diamond, of whatever colour, has the paper's 2.4173 (Peter's formula gives 2.41726).
 
     Parameters
     ----------
     material : str, float or None
-        A name of `INDICES` (case and hyphens do not count), an index, or None for diamond.
+        One of `material_names` (case and hyphens do not count), an index, or None for diamond.
 
     Raises
     ------
@@ -42,12 +192,17 @@ def refractive_index(material: str | float | None) -> float:
     """
     if material is None:
         return GUBELIN_INDEX
-    if isinstance(material, str):
-        name = " ".join(material.lower().replace("-", " ").replace("_", " ").split())
-        if name not in INDICES:
-            raise InputError(f"must be one of {', '.join(sorted(INDICES))}", key="name", value=material)
-        return INDICES[name]
-    low, high = INDEX_RANGE
-    if isinstance(material, bool) or not isinstance(material, (int, float)) or not low <= material <= high:
-        raise InputError(f"must be a number from {low:g} to {high:g}", key="index", value=material)
-    return float(material)
+    if not isinstance(material, str):
+        return constant_index(material)
+    found = find_material(material)
+    crystal = _COLOURS[found.name].crystal if found.name in _COLOURS else found.name
+    return GUBELIN_INDEX if crystal == "diamond" else float(found.index(SODIUM_NM))
+
+
+def _listed(word: str, hint: str) -> str:
+    """List the names, the diamond grades as one, with a guess at what was meant."""
+    grades = [f"diamond {grade}" for grade in absorption.DIAMOND_GRADES]
+    names = [name for name in material_names() if name not in grades]
+    close = difflib.get_close_matches(word, names, n=1)
+    shown = sorted([*names, f"{grades[0]} to {grades[-1]}"])
+    return f"one of {', '.join(shown)}{hint}" + (f"; did you mean {close[0]}?" if close else "")

@@ -6,6 +6,8 @@ Name                      Kind        What it is
 ``gem_orthographic``      sensor      parallel rays for the top view of a stone
 ``gem_hemisphere``        emitter     uniform light from above the horizon
 ``gem_primary``           integrator  follows the principal ray of each sample
+``gem_dielectric``        bsdf        smooth surface of a gem, with dispersion
+``gem_path``              integrator  radiance of scenes with stones, for pictures
 ========================  ==========  ===================================================
 
 Importing this package registers the plugins for the active variant, if there is one, and again after every
@@ -24,7 +26,7 @@ import mitsuba as mi
 
 __all__ = ["register"]
 
-_MODULES = ("orthographic", "hemisphere", "primary")
+_MODULES = ("orthographic", "hemisphere", "primary", "dielectric", "path")
 
 # The variant that the classes in the modules belong to now.
 _defined_for: str | None = None

@@ -8,6 +8,7 @@ import drjit as dr
 import mitsuba as mi
 
 from gemrender.errors import InputError
+from gemrender.plugins.properties import choice, number
 
 _NUMBERS = {
     "x_min": -1.0,
@@ -143,10 +144,8 @@ class OrthographicSensor(mi.Sensor):
         if "to_world" in props:  # the base class takes it from every sensor, and would ignore it
             raise InputError("not allowed here, place the view by tilt and tilt_azimuth", key="to_world")
         for key, default in _NUMBERS.items():
-            setattr(self, key, mi.Float(_number(props, key, default)))
-        self.sampling = props.get("sampling", _SAMPLINGS[0])
-        if self.sampling not in _SAMPLINGS:
-            raise InputError(f"must be one of {', '.join(_SAMPLINGS)}", key="sampling", value=self.sampling)
+            setattr(self, key, mi.Float(number(props, key, default)))
+        self.sampling = choice(props, "sampling", _SAMPLINGS)
         self._update()
 
     def _update(self) -> None:
@@ -252,13 +251,6 @@ class OrthographicSensor(mi.Sensor):
         numbers = "".join(f"  {key} = {getattr(self, key)[0]:g},\n" for key in _NUMBERS)
         film = str(self.film()).replace("\n", "\n  ")
         return f"OrthographicSensor[\n{numbers}  sampling = {self.sampling},\n  film = {film}\n]"
-
-
-def _number(props: mi.Properties, key: str, default: float) -> float:
-    value = props.get(key, default)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise InputError("must be a finite number", key=key, value=value)
-    return float(value)
 
 
 mi.register_sensor("gem_orthographic", OrthographicSensor)

@@ -20,6 +20,7 @@ from gemrender.observation import (
     RayStatus,
 )
 from gemrender.optics.fresnel import FRESNEL_LAWS, GUBELIN_ANGLES_DEG, GUBELIN_INDEX, GUBELIN_REFLECTED
+from gemrender.plugins.properties import choice, number, whole_number
 from gemrender.scene.mesh import FACET_ATTRIBUTE, NORMAL_ATTRIBUTES, OFFSET_ATTRIBUTES
 from gemrender.stone.topology import GIRDLE
 
@@ -119,15 +120,12 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
 
     def __init__(self, props: mi.Properties) -> None:
         super().__init__(props)
-        self.fresnel = _choice(props, "fresnel", FRESNEL_LAWS)
-        self.rear = _choice(props, "rear", REAR_RULES)
-        self.intensity = _choice(props, "intensity", INTENSITIES)
-        self.int_ior = mi.Float64(_number(props, "int_ior", GUBELIN_INDEX))
-        self.ext_ior = mi.Float64(_number(props, "ext_ior", 1.0))
-        most = props.get("max_reflections", MOST_REFLECTIONS)
-        if isinstance(most, bool) or not isinstance(most, int) or not 1 <= most < 1 << 32:
-            raise InputError("must be a whole number, at least 1", key="max_reflections", value=most)
-        self.max_reflections = mi.UInt32(most)
+        self.fresnel = choice(props, "fresnel", FRESNEL_LAWS)
+        self.rear = choice(props, "rear", REAR_RULES)
+        self.intensity = choice(props, "intensity", INTENSITIES)
+        self.int_ior = mi.Float64(number(props, "int_ior", GUBELIN_INDEX))
+        self.ext_ior = mi.Float64(number(props, "ext_ior", 1.0))
+        self.max_reflections = mi.UInt32(whole_number(props, "max_reflections", MOST_REFLECTIONS, least=1))
         self.table_angles = mi.Float(GUBELIN_ANGLES_DEG)
         self.table_reflected = mi.Float(GUBELIN_REFLECTED)
         self._update()
@@ -397,20 +395,6 @@ def _meet(
     q = p + dr.select(is_girdle, on_wall, on_plane) * d
     radial = mi.Vector3d(q.x, q.y, 0) * dr.rsqrt(dr.square(q.x) + dr.square(q.y))
     return q, dr.select(is_girdle, dr.select(offset > 0, radial, mi.Vector3d(si.sh_frame.n)), n)
-
-
-def _choice(props: mi.Properties, key: str, allowed: tuple[str, ...]) -> str:
-    value = props.get(key, allowed[0])
-    if value not in allowed:
-        raise InputError(f"must be one of {', '.join(allowed)}", key=key, value=value)
-    return str(value)
-
-
-def _number(props: mi.Properties, key: str, default: float) -> float:
-    value = props.get(key, default)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise InputError("must be a finite number", key=key, value=value)
-    return float(value)
 
 
 mi.register_integrator("gem_primary", lambda props: PrimaryIntegrator(props))

@@ -6,9 +6,19 @@ from typing import Any
 
 import numpy as np
 
+from gemrender.scene.convex import ConvexSolid, convex_solid
+from gemrender.scene.placing import Placed
 from gemrender.stone import Stone, StoneMesh, tessellate
 
-__all__ = ["FACET_ATTRIBUTE", "NORMAL_ATTRIBUTES", "OFFSET_ATTRIBUTES", "stone_mesh"]
+__all__ = [
+    "FACET_ATTRIBUTE",
+    "NORMAL_ATTRIBUTES",
+    "OFFSET_ATTRIBUTES",
+    "mesh_solid",
+    "placed_mesh",
+    "stone_mesh",
+    "sweep_mesh",
+]
 
 #: Face attribute with the number of the facet (0 to 57, the girdle last).
 FACET_ATTRIBUTE = "face_facet"
@@ -38,10 +48,88 @@ def stone_mesh(stone: Stone | StoneMesh, bsdf: dict[str, Any] | None = None, nam
     -------
     mi.Mesh
     """
+    mesh = stone if isinstance(stone, StoneMesh) else tessellate(stone)
+    shape = _mesh(name, *mesh.split(), bsdf)
+    shape.add_attribute(FACET_ATTRIBUTE, 1, mesh.face_facet.astype(np.float32))
+    for names, values in ((NORMAL_ATTRIBUTES, mesh.face_normals), (OFFSET_ATTRIBUTES, mesh.face_offsets)):
+        high = values.astype(np.float32)
+        low = (values - high).astype(np.float32)
+        for name, part in zip(names, (high, low), strict=True):
+            shape.add_attribute(name, part[0].size, part.ravel())
+    return shape
+
+
+def placed_mesh(placed: Placed, bsdf: dict[str, Any] | None = None, name: str = "stone") -> Any:
+    """Build the mesh of a stone in its place, for pictures: with the facets' numbers, but without planes.
+
+    Returns
+    -------
+    mi.Mesh
+    """
+    _, normals, faces = placed.mesh.split()
+    shape = _mesh(name, placed.split_points(), normals @ placed.rotation.T, faces, bsdf)
+    shape.add_attribute(FACET_ATTRIBUTE, 1, placed.mesh.face_facet.astype(np.float32))
+    return shape
+
+
+def sweep_mesh(
+    *,
+    half_width: float,
+    wall: float,
+    bend: float,
+    azimuth_deg: float,
+    bsdf: dict[str, Any] | None = None,
+    name: str = "ground",
+) -> Any:
+    """Build a photographer's sweep: the plane z = 0 that bends up to a wall.
+
+    Parameters
+    ----------
+    half_width, wall, bend : float
+        Half of its width and of its height, distance of the wall, and radius of the bend [scene unit].
+    azimuth_deg : float
+        Where the wall stands [deg].
+
+    Returns
+    -------
+    mi.Mesh
+    """
+    angle = np.linspace(0, np.pi / 2, 49)
+    y = np.concatenate([[-half_width], wall - bend + bend * np.sin(angle), [wall]])
+    z = np.concatenate([[0.0], bend - bend * np.cos(angle), [2 * half_width]])
+    ny = np.concatenate([[0.0], -np.sin(angle), [-1.0]])
+    nz = np.concatenate([[1.0], np.cos(angle), [0.0]])
+    n = len(y)
+    positions = np.array([[x, b, c] for x in (-half_width, half_width) for b, c in zip(y, z, strict=True)])
+    normals = np.array([[0.0, b, c] for _ in range(2) for b, c in zip(ny, nz, strict=True)])
+    k = np.arange(n - 1)
+    faces = np.concatenate([np.column_stack([k, k + n, k + n + 1]), np.column_stack([k, k + n + 1, k + 1])])
+    turn = np.radians(azimuth_deg - 90)
+    to_place = np.array([[np.cos(turn), np.sin(turn), 0], [-np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
+    return _mesh(name, positions @ to_place, normals @ to_place, faces, bsdf)
+
+
+def mesh_solid(shape: Any) -> ConvexSolid | None:
+    """Read a stone's solid back from its mesh, wherever it stands; None if it is none of `placed_mesh`'s."""
     import mitsuba as mi
 
-    mesh = stone if isinstance(stone, StoneMesh) else tessellate(stone)
-    positions, normals, faces = mesh.split()
+    if not isinstance(shape, mi.Mesh) or not np.any(shape.has_attribute(FACET_ATTRIBUTE)):
+        return None
+    values = mi.traverse(shape)
+    return convex_solid(
+        np.array(values["vertex_positions"]).reshape(-1, 3),
+        np.array(values["vertex_normals"]).reshape(-1, 3),
+        np.array(values["faces"]).reshape(-1, 3),
+        np.array(values[FACET_ATTRIBUTE]).astype(np.int64),
+    )
+
+
+def _mesh(
+    name: str, positions: np.ndarray, normals: np.ndarray, faces: np.ndarray, bsdf: dict[str, Any] | None
+) -> Any:
+    """Build a mesh with one normal a vertex."""
+    import mitsuba as mi
+
     props = mi.Properties()
     if bsdf is not None:
         props["mesh_bsdf"] = mi.load_dict(bsdf)
@@ -51,10 +139,4 @@ def stone_mesh(stone: Stone | StoneMesh, bsdf: dict[str, Any] | None = None, nam
     parameters["vertex_normals"] = mi.Float(normals.astype(np.float32).ravel())
     parameters["faces"] = mi.UInt32(faces.astype(np.uint32).ravel())
     parameters.update()
-    shape.add_attribute(FACET_ATTRIBUTE, 1, mesh.face_facet.astype(np.float32))
-    for names, values in ((NORMAL_ATTRIBUTES, mesh.face_normals), (OFFSET_ATTRIBUTES, mesh.face_offsets)):
-        high = values.astype(np.float32)
-        low = (values - high).astype(np.float32)
-        for name, part in zip(names, (high, low), strict=True):
-            shape.add_attribute(name, part[0].size, part.ravel())
     return shape

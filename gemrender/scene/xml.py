@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from gemrender.errors import InputError
 from gemrender.observation import Model, View
@@ -12,7 +14,10 @@ from gemrender.scene.generator import dielectric, stone_scene
 from gemrender.stone import Stone
 from gemrender.writing import write_whole
 
-__all__ = ["write_scene"]
+if TYPE_CHECKING:
+    from gemrender.scene.photoreal import PhotorealScene
+
+__all__ = ["write_photoreal", "write_scene"]
 
 
 def write_scene(folder: str | os.PathLike[str], name: str, stone: Stone, view: View, model: Model) -> Path:
@@ -40,17 +45,69 @@ def write_scene(folder: str | os.PathLike[str], name: str, stone: Stone, view: V
     InputError
         The folder cannot be written.
     """
+    scene = stone_scene(stone, view, model)
+    meshes = {"stone": scene.pop("stone")}
+    heading = _heading(stone.name, name, "llvm_ad_mono")
+    return _write(Path(folder), name, scene, meshes, {"stone": dielectric(model.index)}, heading)
+
+
+def write_photoreal(
+    folder: str | os.PathLike[str], name: str, scene: PhotorealScene, *, about: str, stock: bool
+) -> Path:
+    """Write a picture's scene as `name`.xml, with a PLY file for each mesh.
+
+    Needs a Mitsuba variant. All files are written whole or not at all.
+
+    Parameters
+    ----------
+    folder : path
+        Where to; made if missing.
+    name : str
+        Stem of all files.
+    scene : PhotorealScene
+        The scene.
+    about : str
+        What it shows, for the heading.
+    stock : bool
+        Whether it uses Mitsuba's own plugins only, so that the program `mitsuba` renders it.
+
+    Returns
+    -------
+    Path
+        The XML file.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be written.
+    """
+    heading = _stock_heading(about, name) if stock else _heading(about, name, "llvm_ad_spectral")
+    meshes = scene.meshes(with_surface=False)
+    return _write(Path(folder), name, scene.plain, meshes, scene.mesh_surfaces(), heading)
+
+
+def _write(
+    folder: Path,
+    name: str,
+    scene: dict[str, Any],
+    meshes: dict[str, Any],
+    surfaces: dict[str, dict[str, Any]],
+    heading: str,
+) -> Path:
+    """Write a scene of which the meshes go into files of their own."""
     import mitsuba as mi
 
-    folder = Path(folder)
-    scene = stone_scene(stone, view, model)
-    mesh = scene["stone"]
-    scene["stone"] = {"type": "ply", "filename": f"{name}.ply", "bsdf": dielectric(model.index)}
-    state = mi.parser.parse_dict(mi.parser.ParserConfig(mi.variant()), scene)
+    files = {key: f"{name}.ply" if len(meshes) == 1 else f"{name}_{key}.ply" for key in meshes}
+    plain = {**scene}
+    for key, file in files.items():
+        plain[key] = {"type": "ply", "filename": file, "bsdf": surfaces[key]}
+    state = mi.parser.parse_dict(mi.parser.ParserConfig(mi.variant()), plain)
     kinds = {
         "gem_primary": mi.ObjectType.Integrator,
+        "gem_path": mi.ObjectType.Integrator,
         "gem_orthographic": mi.ObjectType.Sensor,
         "gem_hemisphere": mi.ObjectType.Emitter,
+        "gem_dielectric": mi.ObjectType.BSDF,
     }
     for node in state.nodes:  # Mitsuba's writer does not know the kind of a Python plugin
         if node.props.plugin_name() in kinds:
@@ -59,24 +116,34 @@ def write_scene(folder: str | os.PathLike[str], name: str, stone: Stone, view: V
     def write_xml(path: Path) -> None:
         mi.parser.write_file(state, str(path))
         text = path.read_text(encoding="utf-8")
-        path.write_text(_heading(stone, name) + text, encoding="utf-8", newline="\n")
+        path.write_text(heading + text, encoding="utf-8", newline="\n")
+
+    def write_ply(mesh: Any) -> Callable[[Path], object]:
+        return lambda path: mesh.write_ply(str(path))
 
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"cannot be made: {error.strerror}", source=str(folder)) from error
-    written = write_whole(
-        folder, {f"{name}.ply": lambda path: mesh.write_ply(str(path)), f"{name}.xml": write_xml}
-    )
-    return written[1]
+    writers = {file: write_ply(meshes[key]) for key, file in files.items()}
+    return write_whole(folder, {**writers, f"{name}.xml": write_xml})[-1]
 
 
-def _heading(stone: Stone, name: str) -> str:
+def _heading(what: str, name: str, variant: str) -> str:
     """Return a comment that says what the file is and how to read it."""
-    comment = f"""{stone.name}, written by gemrender scene. To read it in Python:
+    return _comment(f"""{what}, written by gemrender scene. To read it in Python:
     from gemrender.render.backend import ensure_variant
-    ensure_variant("llvm_ad_mono")
+    ensure_variant("{variant}")
     import mitsuba
     scene = mitsuba.load_file("{name}.xml")
-"""
-    return f"<!-- {re.sub('-(?=-)', '- ', comment)}-->\n"  # no comment may hold two hyphens together
+""")
+
+
+def _stock_heading(what: str, name: str) -> str:
+    return _comment(f"""{what}, written by gemrender scene. To render it:
+    mitsuba {name}.xml
+""")
+
+
+def _comment(text: str) -> str:
+    return f"<!-- {re.sub('-(?=-)', '- ', text)}-->\n"  # no comment may hold two hyphens together

@@ -5,31 +5,36 @@ Whatever is wrong with a file is told in one line: the file, the key, the value,
 
 from __future__ import annotations
 
-import contextlib
 import csv
-import difflib
 import os
 import sys
-import tomllib
-from collections.abc import Iterable, Iterator
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from gemrender.errors import InputError
+from gemrender.reading import LONGEST_LINE as LONGEST_LINE
+from gemrender.reading import MOST_BYTES as MOST_BYTES
+from gemrender.reading import (
+    bundled_files,
+    did_you_mean,
+    parse_toml,
+    read_lines,
+    reason,
+    refuse_missing,
+    refuse_unknown,
+    section,
+    stem,
+    text_line,
+    told_at,
+)
 from gemrender.stone.proportions import RoundBrilliant
 from gemrender.stone.solid import Stone
 from gemrender.stone.topology import N_VERTICES, VERTEX_LABELS
 
 __all__ = ["bundled_stones", "load_stone", "save_vertices"]
 
-#: Largest stone file [bytes]; 57 vertices with all their digits take less than 5000.
-MOST_BYTES = 1_000_000
-#: Longest line of a stone file [characters]. It also keeps numbers printable: Python refuses to print
-#: integers of more than 4300 digits, and TOML's hexadecimal ones may have any number.
-LONGEST_LINE = 1000
 #: Longest name of a stone [characters]: it has to fit into tables and file names.
 LONGEST_NAME = 100
 
@@ -69,13 +74,13 @@ def load_stone(stone: str | os.PathLike[str]) -> Stone:
     """
     path = _find(os.fspath(stone))
     if path.suffix.lower() == ".csv":
-        return _measured(path, name=_stem(path))
+        return _measured(path, name=stem(path, "stone"))
     return _from_toml(path)
 
 
 def bundled_stones() -> list[str]:
     """Return the names of the stones that come with gemrender, in alphabetical order."""
-    return sorted(_bundled())
+    return sorted(bundled_files(""))
 
 
 def save_vertices(stone: Stone, path: str | os.PathLike[str]) -> None:
@@ -100,21 +105,14 @@ def save_vertices(stone: Stone, path: str | os.PathLike[str]) -> None:
     try:
         Path(path).write_text(text, encoding="utf-8", newline="\n")
     except (OSError, ValueError) as error:  # ValueError: a path with a null character
-        raise InputError(f"cannot be written ({_reason(error)})", source=os.fspath(path)) from error
+        raise InputError(f"cannot be written ({reason(error)})", source=os.fspath(path)) from error
 
 
-# ---- Finding and reading files -------------------------------------------------------------------------
-
-
-def _bundled() -> dict[str, Path]:
-    """Name and file of each bundled stone: in the package when installed, beside it in a checkout."""
-    package = Path(str(resources.files("gemrender")))
-    folder = next((f for f in (package / "scenes", package.parent / "scenes") if f.is_dir()), package)
-    return {path.stem: path for path in folder.glob("*.toml")}
+# ---- Finding files -------------------------------------------------------------------------------------
 
 
 def _find(stone: str) -> Path:
-    path, bundled = Path(stone), _bundled()
+    path, bundled = Path(stone), bundled_files("")
     if not stone.strip():
         raise InputError(
             f"must be a stone file or one of {', '.join(sorted(bundled))}", key="stone", value=stone
@@ -128,45 +126,7 @@ def _no_such_file(path: Path) -> str:
     if path.name != str(path):
         return "no such file"
     names = bundled_stones()
-    return f"no such file; the bundled stones are {', '.join(names)}{_did_you_mean(path.stem, names)}"
-
-
-def _read(path: Path, missing: str) -> list[str]:
-    """Read a text file's lines; `missing` is what to say where there is none."""
-    source = str(path)
-    try:
-        with path.open("rb") as file:
-            data = file.read(MOST_BYTES + 1)
-    except FileNotFoundError as error:
-        raise InputError(missing, source=source) from error
-    except (OSError, ValueError) as error:  # ValueError: a path with a null character
-        raise InputError(f"cannot be read ({_reason(error)})", source=source) from error
-    if len(data) > MOST_BYTES:
-        raise InputError(f"is no stone file: larger than {MOST_BYTES} bytes", source=source)
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(f"must be text in UTF-8; byte {error.start + 1} is not", source=source) from error
-    if not text.strip():
-        raise InputError("is empty", source=source)
-    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    for number, line in enumerate(lines, start=1):
-        if len(line) > LONGEST_LINE:
-            raise InputError(
-                f"is {len(line)} characters long; at most {LONGEST_LINE} are allowed",
-                source=source,
-                key=f"line {number}",
-            )
-    return lines
-
-
-def _reason(error: Exception) -> str:
-    return (error.strerror if isinstance(error, OSError) else None) or str(error)
-
-
-def _stem(path: Path) -> str:
-    """Name a stone after its file, without what cannot be printed (as file names may have)."""
-    return "".join(c if c.isprintable() else "?" for c in path.stem).strip() or "stone"
+    return f"no such file; the bundled stones are {', '.join(names)}{did_you_mean(path.stem, names)}"
 
 
 # ---- TOML ----------------------------------------------------------------------------------------------
@@ -174,89 +134,36 @@ def _stem(path: Path) -> str:
 
 def _from_toml(path: Path) -> Stone:
     source = str(path)
-    with _told_at(source):
-        top = _parse(_read(path, _no_such_file(path)))
-        _refuse_unknown(top, _TOP)
+    with told_at(source):
+        top = parse_toml(read_lines(path, kind="stone", missing=_no_such_file(path)), kind="stone")
+        refuse_unknown(top, _TOP, hint=_home)
         given = [key for key in _SHAPES if key in top]
         if len(given) != 1:
             allowed = "needs exactly one of [proportions], [angles] and vertices"
             raise InputError(f"{allowed}; has {' and '.join(given) or 'none'}")
-        name, material = _name(top, path), _material(top)
+        name = text_line(top, "name", stem(path, "stone"), LONGEST_NAME)
+        material = _material(top)
         shape = given[0]
         if shape == "vertices":
             return _measured(_vertices_path(top["vertices"], path), name=name, material=material, toml=path)
-        values = _section(top, shape)
-        if missing_keys := [key for key in _SECTIONS[shape] if key not in values]:
-            raise InputError(
-                f"missing {', '.join(missing_keys)}; needs {', '.join(_SECTIONS[shape])}", key=f"[{shape}]"
-            )
+        values = section(top, shape, _SECTIONS[shape], _home)
+        refuse_missing(values, _SECTIONS[shape], shape)
     make = RoundBrilliant if shape == "proportions" else RoundBrilliant.from_angles
-    with _told_at(source, shape):
+    with told_at(source, shape):
         return Stone.from_proportions(make(**values), name=name, material=material, source=source)
 
 
-@contextlib.contextmanager
-def _told_at(source: str, section: str | None = None) -> Iterator[None]:
-    """Tell input errors as coming from a file, and a section of it, unless they know their own."""
-    try:
-        yield
-    except InputError as error:
-        if error.source is not None:
-            raise
-        raise error.at(source, section) from error
-
-
-def _parse(lines: list[str]) -> dict[str, Any]:
-    try:
-        return tomllib.loads("\n".join(lines))
-    except ValueError as error:  # TOMLDecodeError is one; so is the refusal of an integer with 4300 digits
-        raise InputError(f"is not TOML: {error}") from error
-    except RecursionError as error:
-        raise InputError("is not TOML that makes a stone: nested too deeply") from error
-
-
-def _section(top: dict[str, Any], section: str) -> dict[str, Any]:
-    values, keys = top[section], _SECTIONS[section]
-    if not isinstance(values, dict):
-        raise InputError(
-            f"must be a section: a line [{section}], and below it {', '.join(keys)}",
-            key=section,
-            value=values,
-        )
-    _refuse_unknown(values, keys, section)
-    return values
-
-
-def _refuse_unknown(values: dict[str, Any], known: Iterable[str], section: str = "") -> None:
-    for key, value in values.items():
-        if key in known:
-            continue
-        homes = [f"[{other}]" for other, keys in _SECTIONS.items() if key in keys]
-        hint = f"; it belongs in {' or '.join(homes)}" if homes else _did_you_mean(key, known)
-        raise InputError(
-            f"unknown key; must be one of {', '.join(known)}{hint}",
-            key=f"{section}.{key}" if section else key,
-            value=value,
-        )
-
-
-def _did_you_mean(word: str, known: Iterable[str]) -> str:
-    close = difflib.get_close_matches(word, known, n=1)
-    return f"; did you mean {close[0]}?" if close else ""
-
-
-def _name(top: dict[str, Any], path: Path) -> str:
-    name = top.get("name", _stem(path))
-    if not isinstance(name, str) or not name.strip() or not name.isprintable() or len(name) > LONGEST_NAME:
-        raise InputError(f"must be one line of 1 to {LONGEST_NAME} characters", key="name", value=name)
-    return name.strip()
+def _home(key: str) -> str:
+    """Say which sections a key belongs in, if any."""
+    homes = [f"[{name}]" for name, keys in _SECTIONS.items() if key in keys]
+    return f"; it belongs in {' or '.join(homes)}" if homes else ""
 
 
 def _material(top: dict[str, Any]) -> str | float | None:
     """Return the material's name or index; whether there is such a material is for the optics to say."""
     if "material" not in top:
         return None
-    material = _section(top, "material")
+    material = section(top, "material", _SECTIONS["material"], _home)
     if len(material) != 1:
         raise InputError(
             f"needs exactly one of name and index; has {'both' if material else 'none'}", key="[material]"
@@ -292,8 +199,8 @@ def _measured(
     """Load the vertices that a TOML file names, or a bare CSV file."""
     source = str(path)
     missing = _no_such_file(path) if toml is None else f"no such file; named by vertices in {toml}"
-    with _told_at(source):
-        vertices = _vertices(_read(path, missing))
+    with told_at(source):
+        vertices = _vertices(read_lines(path, kind="stone", missing=missing))
         return Stone.from_vertices(vertices, name=name, material=material, source=str(toml or path))
 
 

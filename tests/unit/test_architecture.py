@@ -17,14 +17,15 @@ PACKAGE = Path(gemrender.__file__).parent
 #: own line; those on one line do not know each other.
 LAYERS: list[dict[str, set[str]]] = [
     {"errors": set()},
-    {"writing": set()},
+    {"writing": set(), "reading": set()},
     {"stone": {"numpy"}, "optics": {"numpy"}},
+    {"colorimetry": {"numpy", "colour"}},
     {"observation": {"numpy"}},
     {"reference": {"numpy"}},
     {"beam": {"numpy", "numba"}},
     {"scene": {"numpy", "mitsuba"}},
     {"plugins": {"numpy", "mitsuba", "drjit"}},
-    {"render": {"numpy", "numba", "mitsuba", "drjit", "colour", "OpenEXR"}},
+    {"render": {"numpy", "numba", "mitsuba", "drjit", "colour", "OpenEXR", "PIL", "av", "mitsuba_oidn"}},
     {"engines": set()},
     {"score": {"numpy"}},
     {"crosscheck": {"numpy"}},

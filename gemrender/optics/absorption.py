@@ -1,0 +1,128 @@
+"""Body colours: absorption coefficients modelled from published band positions and widths.
+
+A crystal's bands are Gaussians in wavenumber (McClure, Solid State Physics 9, 399 (1959)), with two widths
+where the band is lopsided; what lies in the ultraviolet reaches into the visible as an exponential in
+wavenumber (Urbach, Phys. Rev. 92, 1324 (1953)). Where bands are is literature; how wide they are is near it,
+rounded; how strong they are is chosen, so that a brilliant of about one carat, in which light goes some
+10 mm, has the colour that its name promises. No polarisation (pleochroism), no fluorescence.
+"""
+
+from __future__ import annotations
+
+import string
+
+import numpy as np
+
+from gemrender.optics.tabulated import Table
+
+__all__ = ["DIAMOND_GRADES", "blue_sapphire", "cape_diamond", "fancy_yellow", "ruby"]
+
+#: Wavelengths of the rows [nm]. N3's line, 3 nm wide, is the narrowest thing there.
+_WAVELENGTHS_NM = np.arange(360.0, 831.0)
+_WAVENUMBERS = 1e7 / _WAVELENGTHS_NM
+
+#: Colour grades of the GIA's scale from D, colourless, to Z, light yellow.
+DIAMOND_GRADES = string.ascii_lowercase[3:]
+#: Absorption coefficient of a Z diamond at N3's line [1/mm], without the continuum below it.
+_Z_PER_MM = 0.25
+
+
+def ruby() -> Table:
+    """Return the absorption of a ruby [1/mm].
+
+    Cr3+ in corundum, ordinary ray: the U band at 405 nm (4A2 to 4T1) and the Y band at 555 nm (4A2 to 4T2),
+    with the window between them that makes a ruby purplish; and the charge transfer in the ultraviolet.
+    McClure, J. Chem. Phys. 36, 2757 (1962); Cronemeyer, J. Opt. Soc. Am. 56, 1703 (1966).
+    """
+    return _table(
+        0.9
+        * (
+            _band(18000, 0.9, below=2000, above=3600)
+            + _band(24700, 1.0, below=4200, above=3600)
+            + _rise(300, 0.3, 2500)
+        )
+    )
+
+
+def blue_sapphire() -> Table:
+    """Return the absorption of a blue sapphire [1/mm].
+
+    Charge transfer from Fe2+ to Ti4+ at 580 nm (ordinary ray) and 700 nm (extraordinary ray), Fe3+ at 377,
+    388 and 450 nm, and the charge transfer from oxygen in the ultraviolet. Ferguson & Fielding, Chem. Phys.
+    Lett. 10, 262 (1971); Nassau, The Physics and Chemistry of Color (Wiley, 1983).
+    """
+    return _table(
+        0.25
+        * (
+            _band(17250, 1.0, below=3900, above=4600)
+            + _band(14300, 0.4, below=3000, above=3000)
+            + _line(450, 0.06, 14)
+            + _line(388, 0.3, 8)
+            + _line(377, 0.35, 8)
+            + _rise(330, 0.4, 1500)
+        )
+    )
+
+
+def fancy_yellow() -> Table:
+    """Return the absorption of a fancy yellow diamond, type Ib [1/mm].
+
+    Isolated nitrogen (C centres): a continuum that rises from 560 nm to the ultraviolet, without a peak in
+    the visible. Dyer, Raal, du Preez & Loubser, Phil. Mag. 11, 763 (1965); Collins, J. Gemmol. 18, 37 (1982).
+    """
+    return _table(_rise(450, 0.3, 1500))
+
+
+def cape_diamond(grade: str) -> Table | None:
+    """Return the absorption of a diamond of a colour grade [1/mm]; None for D.
+
+    The cape series of type Ia: N3 at 415.2 nm with its sidebands at 403 and 394 nm and more beyond, N2 at
+    478 nm with its companions at 423, 435, 452 and 465 nm, and the continuum that rises to the ultraviolet.
+    Collins, J. Gemmol. 18, 37 (1982); Walker, Rep. Prog. Phys. 42, 1605 (1979). All grades have one shape.
+
+    Parameters
+    ----------
+    grade : str
+        One of `DIAMOND_GRADES`. The strength goes as the power 1.5 of the steps from D: so the first grades
+        are next to colourless, K is faint and Z light yellow.
+    """
+    steps = DIAMOND_GRADES.index(grade)
+    if not steps:
+        return None
+    n3 = (
+        _line(415.2, 1.0, 3)
+        + _line(403, 0.75, 9)
+        + _line(394, 0.75, 10)
+        + _line(384, 0.7, 12)
+        + _line(375, 0.5, 14)
+    )
+    n2 = (
+        _line(478, 0.12, 8)
+        + _line(465, 0.05, 8)
+        + _line(452, 0.08, 12)
+        + _line(435, 0.05, 10)
+        + _line(423, 0.1, 9)
+    )
+    strength = _Z_PER_MM * (steps / (len(DIAMOND_GRADES) - 1)) ** 1.5
+    return _table(strength * (n3 + n2 + _rise(415.2, 0.35, 2300)))
+
+
+def _table(per_mm: np.ndarray) -> Table:
+    return Table(wavelength_nm=tuple(_WAVELENGTHS_NM.tolist()), values=tuple(per_mm.tolist()), key="per_mm")
+
+
+def _band(centre: float, peak: float, *, below: float, above: float) -> np.ndarray:
+    """Return a band: centre and full widths at half height, below and above the centre [1/cm]."""
+    width = np.where(centre > _WAVENUMBERS, below, above)
+    return np.asarray(peak * np.exp(-4 * np.log(2) * ((_WAVENUMBERS - centre) / width) ** 2))
+
+
+def _line(centre_nm: float, peak: float, width_nm: float) -> np.ndarray:
+    """Return a narrow band: centre and full width at half height [nm]."""
+    width = width_nm * 1e7 / centre_nm**2
+    return _band(1e7 / centre_nm, peak, below=width, above=width)
+
+
+def _rise(at_nm: float, there: float, width: float) -> np.ndarray:
+    """Return a rise to the ultraviolet: its value at a wavelength [nm], its width to grow e-fold [1/cm]."""
+    return np.asarray(there * np.exp((_WAVENUMBERS - 1e7 / at_nm) / width))

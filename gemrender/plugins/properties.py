@@ -1,0 +1,43 @@
+"""How plugins read their parameters: checked where they are read, told in one line."""
+
+from __future__ import annotations
+
+import math
+
+import mitsuba as mi
+
+from gemrender.errors import InputError
+
+__all__ = ["choice", "number", "truth", "whole_number"]
+
+
+def choice(props: mi.Properties, key: str, allowed: tuple[str, ...]) -> str:
+    """Read one of some words, by default the first."""
+    value = props.get(key, allowed[0])
+    if value not in allowed:
+        raise InputError(f"must be one of {', '.join(allowed)}", key=key, value=value)
+    return str(value)
+
+
+def number(props: mi.Properties, key: str, default: float) -> float:
+    """Read a finite number."""
+    value = props.get(key, default)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise InputError("must be a finite number", key=key, value=value)
+    return float(value)
+
+
+def whole_number(props: mi.Properties, key: str, default: int, *, least: int) -> int:
+    """Read a whole number of at least `least`."""
+    value = props.get(key, default)
+    if isinstance(value, bool) or not isinstance(value, int) or not least <= value < 1 << 32:
+        raise InputError(f"must be a whole number, at least {least}", key=key, value=value)
+    return value
+
+
+def truth(props: mi.Properties, key: str, default: bool) -> bool:
+    """Read true or false."""
+    value = props.get(key, default)
+    if not isinstance(value, bool):
+        raise InputError("must be true or false", key=key, value=value)
+    return value

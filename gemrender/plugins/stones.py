@@ -1,0 +1,321 @@
+"""The stones of a scene as `gem_path` sees them: where their facets are, and what their material does."""
+
+from __future__ import annotations
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from gemrender.plugins.spectra import N_ROWS, parting_colour, row_of, tabulated
+from gemrender.scene.convex import ConvexSolid
+from gemrender.scene.mesh import mesh_solid
+
+__all__ = ["RAY_OFFSET", "Stones", "reflectance", "refracted"]
+
+#: How far a ray starts from the facet it leaves [radius of the largest stone]: more than single precision's
+#: rounding, far less than a facet. Mitsuba's own offset loses one path in a few thousand at edges.
+RAY_OFFSET = 2e-6
+#: Planes of so many stones at most are compiled one beside the other; of more they are looked up by number.
+_MOST_COMPILED = 4
+
+
+class Stones:
+    """Stones of a scene: shapes whose surface is a `gem_dielectric`. Numbered from 1; 0 is none.
+
+    Parameters
+    ----------
+    scene : mi.Scene
+        The scene.
+    sampler : mi.Sampler
+        Source of the wavelength of a path in RGB variants.
+    """
+
+    def __init__(self, scene: mi.Scene, sampler: mi.Sampler) -> None:
+        shapes = scene.shapes()
+        of_shape = {int(dr.reinterpret_array(mi.UInt32, mi.ShapePtr(s))[0]): s for s in shapes}
+        self.scene = scene
+        self.environment = scene.environment()
+        numbers = np.zeros(max(of_shape, default=0) + 1, dtype=np.uint32)
+        stones = []
+        for number, shape in of_shape.items():
+            if type(shape.bsdf()).__name__ == "GemDielectric":
+                stones.append(shape)
+                numbers[number] = len(stones)
+        self.number_of_shape = mi.UInt32(numbers)
+        surfaces = [stone.bsdf() for stone in stones]
+        # Row 0 stands for no stone: an index that divides.
+        self.indices = mi.Float(np.concatenate([np.ones(N_ROWS), *(s.index_table for s in surfaces)]))
+        self.absorption = mi.Float(
+            np.concatenate([np.zeros(N_ROWS), *(s.absorption_table for s in surfaces)])
+        )
+        self.any_absorbs = any(s.absorbs for s in surfaces)
+        monochrome, rgb = mi.is_monochromatic, mi.is_rgb
+        parts = [s.disperses or (rgb and s.absorbs) for s in surfaces]
+        self.any_parts = any(parts) and not monochrome
+        self.parts = mi.Bool([False, *parts])
+        #: The wavelength of monochrome light [nm]: in RGB variants each path's own.
+        if monochrome:
+            self.fixed_nm = mi.Float([0.0, *(s.wavelength[0] for s in surfaces)])
+        elif rgb and self.any_parts:
+            self.path_nm, self.colour = parting_colour(sampler.next_1d())
+        else:
+            self.path_nm = mi.Float(589.3)
+        solids = [mesh_solid(stone) for stone in stones]
+        radii = [0.5 * float(np.max(np.array(s.bbox().extents()))) for s in stones]
+        self.size = dr.opaque(mi.Float, max(radii, default=1.0))
+        #: Whether a ray that leaves a stone can meet only the sky.
+        self.alone = len(shapes) == len(stones) == 1 and solids[0] is not None
+        self.solids = None if any(solid is None for solid in solids) else [s for s in solids if s]
+        if self.solids:
+            self._tabulate(self.solids)
+
+    # ---- Numbers ----
+
+    def of(self, si: mi.SurfaceInteraction3f, active: mi.Bool) -> mi.UInt32:
+        """Return the number of the stone that was hit."""
+        shape = dr.reinterpret_array(mi.UInt32, si.shape)
+        return dr.gather(mi.UInt32, self.number_of_shape, shape, active & si.is_valid())
+
+    @staticmethod
+    def mean(spectrum: mi.Spectrum) -> mi.Float:
+        """Return the mean over the channels."""
+        return dr.mean(spectrum)
+
+    # ---- Material ----
+
+    def index(self, stone: mi.UInt32, wavelengths: mi.Spectrum, active: mi.Bool) -> mi.Spectrum:
+        """Return the relative index of each channel."""
+        return self._look_up(self.indices, stone, wavelengths, active)
+
+    def transmittance(
+        self, stone: mi.UInt32, wavelengths: mi.Spectrum, distance: mi.Float, active: mi.Bool
+    ) -> mi.Spectrum:
+        """Return the share that a way inside leaves, by Beer and Lambert."""
+        if not self.any_absorbs:
+            return mi.Spectrum(1)
+        coefficient = self._look_up(self.absorption, stone, wavelengths, active)
+        return dr.exp(-coefficient * dr.maximum(distance, 0))
+
+    def disperses(self, stone: mi.UInt32, active: mi.Bool) -> mi.Bool:
+        """Return whether wavelengths part in a stone."""
+        if not self.any_parts:
+            return mi.Bool(False)
+        return dr.gather(mi.Bool, self.parts, stone, active)
+
+    @property
+    def n_ways(self) -> int:
+        """How many wavelengths go on where they part: in spectral variants all of them."""
+        return len(mi.Spectrum()) if mi.is_spectral and self.any_parts else 1
+
+    @staticmethod
+    def alive(spectrum: mi.Spectrum) -> mi.UInt32:
+        """Return the channel of a path whose wavelengths have parted: the one that is left."""
+        channel = mi.UInt32(0)
+        for k in range(1, len(spectrum)):
+            channel = dr.select(spectrum[k] > spectrum[0], mi.UInt32(k), channel)
+        return channel if mi.is_spectral else mi.UInt32(0)
+
+    def parting_weight(self) -> mi.Spectrum:
+        """Return what the channels are multiplied by where wavelengths part."""
+        return mi.Spectrum(self.colour) if mi.is_rgb and self.any_parts else mi.Spectrum(1)
+
+    def enter(
+        self,
+        entering: mi.Spectrum,
+        eta: mi.Spectrum,
+        d: mi.Vector3f,
+        n: mi.Vector3f,
+        cos_air: mi.Float,
+        channel: mi.UInt32,
+        part: mi.Bool,
+    ) -> tuple[mi.Spectrum, mi.Float, mi.Vector3f]:
+        """Return throughput, index and direction of a wavelength that enters a stone.
+
+        Parameters
+        ----------
+        entering, eta : Spectrum
+            Throughput of what enters, and relative index, of all channels.
+        d, n, cos_air
+            Direction outside, outward normal, and cosine of the angle of incidence.
+        channel : UInt32
+            The channel that goes on.
+        part : Bool
+            Whether the others have ways of their own.
+        """
+        index, throughput = mi.Float(eta[0]), mi.Spectrum(entering)
+        if mi.is_spectral:
+            for k in range(1, len(eta)):
+                index = dr.select(channel == k, eta[k], index)
+            if self.any_parts:
+                for k in range(len(eta)):
+                    throughput[k] = dr.select(~part | (channel == k), entering[k], 0)
+        cos_stone = dr.safe_sqrt(1 - (1 - dr.square(cos_air)) / dr.square(index))
+        return throughput, index, refracted(d, n, cos_air, cos_stone, 1 / index)
+
+    def weight(self, throughput: mi.Spectrum, split: mi.Bool) -> mi.Float:
+        """Return a throughput inside, as Russian roulette takes it: of one of many ways as if all went it."""
+        mean = dr.mean(throughput)
+        return dr.select(split, self.n_ways * mean, mean)
+
+    def _look_up(
+        self, table: mi.Float, stone: mi.UInt32, wavelengths: mi.Spectrum, active: mi.Bool
+    ) -> mi.Spectrum:
+        """Read a material's table at the wavelength of each channel."""
+        if mi.is_spectral:
+            channels = list(wavelengths)
+        elif mi.is_monochromatic:
+            channels = [dr.gather(mi.Float, self.fixed_nm, stone, active)]
+        else:
+            channels = [self.path_nm]
+        values = [tabulated(table, stone * N_ROWS, row_of(nm), active) for nm in channels]
+        return mi.Spectrum(values if mi.is_spectral else values[0])
+
+    # ---- Geometry ----
+
+    def next_surface(
+        self, stone: mi.UInt32, p: mi.Point3f, d: mi.Vector3f, active: mi.Bool
+    ) -> tuple[mi.Float, mi.Vector3f, mi.Bool]:
+        """Return how far a ray inside a stone goes, the outward normal there, and whether it met anything."""
+        if self.solids is None:
+            si = self.scene.ray_intersect(mi.Ray3f(p, d), mi.RayFlags.ShadingFrame, False, active)
+            n = mi.Vector3f(si.sh_frame.n)
+            return si.t, n, si.is_valid() & (dr.dot(n, d) > 0)
+        t, n = (self._nearest_compiled if self.compiled else self._nearest_looked_up)(stone, p, d)
+        return t, n, t < _NOTHING
+
+    def inwards(self, p: mi.Point3f, n: mi.Vector3f) -> mi.Point3f:
+        """Return where the next query starts, for a point on the surface."""
+        return p if self.solids is not None else p - RAY_OFFSET * self.size * n
+
+    def outside(self, ray: mi.Ray3f, active: mi.Bool) -> tuple[mi.Bool, mi.Spectrum]:
+        """Look along a ray that has left a stone.
+
+        Returns
+        -------
+        (found, radiance)
+            Whether it meets something that is neither light nor sky, and the radiance of light and sky.
+        """
+        if self.alone:
+            if self.environment is None:
+                return mi.Bool(False), mi.Spectrum(0)
+            si = dr.zeros(mi.SurfaceInteraction3f)
+            si.wi, si.wavelengths = -ray.d, ray.wavelengths
+            return mi.Bool(False), self.environment.eval(si, active)
+        si = self.scene.ray_intersect(ray, mi.RayFlags.AllNonDifferentiable, False, active)
+        radiance = si.emitter(self.scene, active).eval(si, active)
+        return active & si.is_valid() & ~si.shape.is_emitter(), radiance
+
+    def _tabulate(self, solids: list[ConvexSolid]) -> None:
+        most = max(len(solid.planes) for solid in solids)
+        planes = np.zeros((len(solids), most, 4), dtype=np.float32)  # no ray runs towards the zeros
+        cylinders = np.zeros((len(solids), 7), dtype=np.float32)
+        cylinders[:, 2], cylinders[:, 6] = 1, -1  # no cylinder: radius -1
+        for k, solid in enumerate(solids):
+            planes[k, : len(solid.planes)] = solid.planes
+            if solid.cylinder is not None:
+                cylinders[k] = solid.cylinder
+        self.any_round = any(solid.cylinder is not None for solid in solids)
+        self.compiled = len(solids) <= _MOST_COMPILED
+        if self.compiled:
+            self.planes = [[[_opaque(x) for x in row] for row in of_stone] for of_stone in planes]
+            self.cylinders = [[_opaque(x) for x in row] for row in cylinders]
+        else:
+            self.n_planes = mi.UInt32(most)
+            self.plane_table = mi.Float(planes.ravel())
+            self.cylinder_table = mi.Float(cylinders.ravel())
+
+    def _nearest_compiled(
+        self, stone: mi.UInt32, p: mi.Point3f, d: mi.Vector3f
+    ) -> tuple[mi.Float, mi.Vector3f]:
+        """Find the nearest plane ahead with all planes in the kernel: numbers that it reads once."""
+        others = [stone == k + 1 for k in range(1, len(self.planes))]
+
+        def of(values: list[list[mi.Float]]) -> list[mi.Float]:
+            out = list(values[0])
+            for chosen, value in zip(others, values[1:], strict=True):
+                out = [dr.select(chosen, v, x) for v, x in zip(value, out, strict=True)]
+            return out
+
+        t, n = mi.Float(_NOTHING), mi.Vector3f(0, 0, 1)
+        for k in range(len(self.planes[0])):
+            a, b, c, offset = of([planes[k] for planes in self.planes])
+            along = dr.fma(a, d.x, dr.fma(b, d.y, c * d.z))
+            gap = offset - dr.fma(a, p.x, dr.fma(b, p.y, c * p.z))
+            t_plane = gap / along
+            nearer = (along > 0) & (t_plane < t)
+            t = dr.select(nearer, t_plane, t)
+            n = dr.select(nearer, mi.Vector3f(a, b, c), n)
+        if not self.any_round:
+            return t, n
+        return _nearer_cylinder(of(self.cylinders), p, d, t, n)
+
+    @dr.syntax
+    def _nearest_looked_up(self, stone, p, d):  # type: ignore[no-untyped-def]  # dr.syntax
+        """Find the nearest plane ahead by a loop over a table."""
+        t, n = mi.Float(_NOTHING), mi.Vector3f(0, 0, 1)
+        first = (dr.maximum(stone, 1) - 1) * self.n_planes
+        k = mi.UInt32(0)
+        while dr.hint(k < self.n_planes, label="gem_path: planes"):
+            plane = dr.gather(mi.Vector4f, self.plane_table, first + k)
+            along = dr.fma(plane.x, d.x, dr.fma(plane.y, d.y, plane.z * d.z))
+            gap = plane.w - dr.fma(plane.x, p.x, dr.fma(plane.y, p.y, plane.z * p.z))
+            t_plane = gap / along
+            nearer = (along > 0) & (t_plane < t)
+            t = dr.select(nearer, t_plane, t)
+            n = dr.select(nearer, mi.Vector3f(plane.x, plane.y, plane.z), n)
+            k += 1
+        if dr.hint(not self.any_round, mode="scalar"):
+            return t, n
+        row = (dr.maximum(stone, 1) - 1) * 7
+        cylinder = [dr.gather(mi.Float, self.cylinder_table, row + i) for i in range(7)]
+        return _nearer_cylinder(cylinder, p, d, t, n)
+
+
+#: No surface is as far [scene unit].
+_NOTHING = 1e30
+
+
+def _opaque(x: np.floating) -> mi.Float:
+    return dr.opaque(mi.Float, float(x))
+
+
+def _nearer_cylinder(
+    cylinder: list[mi.Float], p: mi.Point3f, d: mi.Vector3f, t: mi.Float, n: mi.Vector3f
+) -> tuple[mi.Float, mi.Vector3f]:
+    """Return the girdle's wall, where a ray inside leaves its cylinder before the planes."""
+    axis, centre, radius = mi.Vector3f(*cylinder[:3]), mi.Point3f(*cylinder[3:6]), cylinder[6]
+    to = p - centre
+    q = to - dr.dot(to, axis) * axis
+    e = d - dr.dot(d, axis) * axis
+    a, b, c = dr.dot(e, e), dr.dot(q, e), dr.dot(q, q) - dr.square(radius)
+    t_wall = (-b + dr.safe_sqrt(dr.square(b) - a * c)) / a
+    nearer = (radius > 0) & (t_wall < t)  # false along the axis: 0 / 0
+    return dr.select(nearer, t_wall, t), dr.select(nearer, (q + t_wall * e) / radius, n)
+
+
+# ---- Optics ----
+
+
+def reflectance(cos_air: mi.Float, cos_stone: mi.Float, eta: mi.Float) -> mi.Float:
+    """Return the reflected share of unpolarised light, from the cosines on both sides.
+
+    Born & Wolf, 7th ed., section 1.5.2, equations (21a).
+    """
+    r_s = (cos_air - eta * cos_stone) / (cos_air + eta * cos_stone)
+    r_p = (eta * cos_air - cos_stone) / (eta * cos_air + cos_stone)
+    return 0.5 * (dr.square(r_s) + dr.square(r_p))
+
+
+def refracted(
+    d: mi.Vector3f, n: mi.Vector3f, cos_i: mi.Float, cos_t: mi.Float, ratio: mi.Float
+) -> mi.Vector3f:
+    """Return the direction of a ray that enters through a surface of outward normal n, by Snell's law.
+
+    Parameters
+    ----------
+    cos_i, cos_t : Float
+        Cosines of the angles of incidence and refraction.
+    ratio : Float
+        Index on the side that the ray comes from, by that on the other.
+    """
+    return dr.normalize(ratio * (d + cos_i * n) - cos_t * n)

@@ -1,0 +1,312 @@
+"""Passes of a picture: camera samples well spread over pixel, lens and wavelength, summed up as XYZ."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+__all__ = ["FIRST_NM", "LAST_NM", "Passes", "check_range"]
+
+#: Visible light, which pictures are made of [nm].
+FIRST_NM, LAST_NM = 380.0, 760.0
+#: Samples of a pass: enough to keep all cores busy, few enough that a pass stays below half a GiB.
+PASS_SAMPLES = 1 << 21
+#: Pixels of a tile at most, so that a pass spreads several samples over each.
+_TILE_PIXELS = 1 << 18
+#: Entries of the table that wavelengths are drawn by.
+_N_DRAW = 1024
+#: Roberts' R5 sequence (pixel x and y, wavelength, lens u and v): powers of 1/g, g^6 = g + 1, in 2^-32.
+_G = 1.1673039782614187
+_STEPS = tuple(round((_G**-k % 1.0) * 2**32) for k in range(1, 6))
+
+
+class Passes:
+    """Renders a scene in passes, and keeps their sums.
+
+    Two independent halves are kept apart; what they differ by tells the noise.
+
+    Parameters
+    ----------
+    scene : mi.Scene
+        Scene of a spectral variant whose integrator is `gem_path`; its first sensor's film gives the size.
+    seed : int
+        Seed.
+    filter_radius : float
+        Radius of the tent that pixels are filtered by [pixel]; 0.5 and less is a box of a pixel. Samples are
+        spread as the tent is, and belong to one pixel: no two pixels share noise.
+    bins_nm : sequence of float, optional
+        Edges of spectral bins, increasing [nm]; None for no spectrum.
+
+    Attributes
+    ----------
+    samples : int
+        Samples a pixel so far.
+    """
+
+    def __init__(self, scene: Any, *, seed: int = 0, filter_radius: float = 0.5, bins_nm: Any = None) -> None:
+        import mitsuba as mi
+
+        self.scene, self.seed, self.filter_radius = scene, seed, filter_radius
+        self.sensor = scene.sensors()[0]
+        self.width, self.height = (int(n) for n in self.sensor.film().size())
+        self.bins_nm = None if bins_nm is None else np.asarray(bins_nm, dtype=np.float64)
+        n_bins = 0 if self.bins_nm is None else len(self.bins_nm) - 1
+        #: X, Y, Z, albedo (3), normal (3), coverage, spectral bins.
+        self._n_channels = 10 + n_bins
+        self._halves = np.zeros((2, self.height * self.width, self._n_channels), dtype=np.float32)
+        self._counts = [0, 0]
+        self._generator = mi.load_dict({"type": "multijitter"})
+        self._draw = _drawing_table()
+        self._turns = 0
+
+    # ---- Rendering ----
+
+    @property
+    def samples(self) -> int:
+        """Samples a pixel so far."""
+        return sum(self._counts)
+
+    def samples_of_a_pass(self) -> int:
+        """Return the samples a pixel that keep a pass small in memory."""
+        return _stratified(max(1, PASS_SAMPLES // min(self.width * self.height, _TILE_PIXELS)))
+
+    def add(self, spp: int) -> None:
+        """Render `spp` samples a pixel more; the two halves take turns.
+
+        Interrupted, it leaves the sums as they were.
+        """
+        while spp != _stratified(spp):  # in parts that the strata go into
+            part = _stratified(spp)
+            self.add(part)
+            spp -= part
+        half = self._turns % 2
+        pixels = self.width * self.height
+        sums = np.empty((pixels, self._n_channels), dtype=np.float32)
+        for first in range(0, pixels, _TILE_PIXELS):
+            last = min(first + _TILE_PIXELS, pixels)
+            sums[first:last] = self._tile(first, last - first, spp, half)
+        self._halves[half] += sums
+        self._counts[half] += spp
+        self._turns += 1
+
+    def radiance_at(self, nm: float, spp: int, *, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
+        """Return the radiance at one wavelength, and the standard error of it, (h, w) each.
+
+        Parameters
+        ----------
+        nm : float
+            Wavelength [nm].
+        spp : int
+            Samples a pixel, at least 2.
+        """
+        pixels = self.width * self.height
+        out = np.empty((2, pixels))
+        for first in range(0, pixels, _TILE_PIXELS):
+            n = min(_TILE_PIXELS, pixels - first)
+            out[:, first : first + n] = self._monochrome_tile(first, n, spp, nm, seed)
+        return out[0].reshape(self.height, self.width), out[1].reshape(self.height, self.width)
+
+    # ---- What came of it ----
+
+    def _mean(self, channels: slice) -> np.ndarray:
+        total = self._halves[0, :, channels] + self._halves[1, :, channels]
+        return (total / max(self.samples, 1)).reshape(self.height, self.width, -1)
+
+    @property
+    def xyz(self) -> np.ndarray:
+        """CIE 1931 XYZ, (h, w, 3) float32; equal-energy radiance 1 has Y = 1."""
+        return self._mean(slice(0, 3))
+
+    @property
+    def albedo(self) -> np.ndarray:
+        """Albedo of the first surface, (h, w, 3) float32."""
+        return self._mean(slice(3, 6))
+
+    @property
+    def normal(self) -> np.ndarray:
+        """Normal of the first surface, (h, w, 3) float32."""
+        return self._mean(slice(6, 9))
+
+    @property
+    def coverage(self) -> np.ndarray:
+        """Share of the pixel that shows a surface, (h, w) float32."""
+        return self._mean(slice(9, 10))[..., 0]
+
+    @property
+    def spectrum(self) -> np.ndarray:
+        """Mean radiance in each bin, (h, w, bins) float32."""
+        return self._mean(slice(10, None))
+
+    def noise(self) -> float:
+        """Return the root mean square error of luminance by its mean; infinite before two passes."""
+        if min(self._counts) == 0:
+            return float("inf")
+        a, b = (self._halves[k, :, 1].astype(np.float64) / self._counts[k] for k in (0, 1))
+        weight = np.array(self._counts) / self.samples
+        # Of the weighted mean of halves of errors e_A, e_B with variances as 1/n: known by (A - B)^2
+        squared = float(np.mean((a - b) ** 2)) * float(weight[0] * weight[1])
+        mean = float(np.mean(weight[0] * a + weight[1] * b))
+        return float(np.sqrt(squared)) / mean if mean > 0 else 0.0
+
+    # ---- Kernels ----
+
+    def _samples(self, first: int, n: int, spp: int, index: int, seed: int) -> tuple[Any, ...]:
+        """Return pixel of the tile, and the five dimensions of its camera samples, in [0, 1)."""
+        import drjit as dr
+        import mitsuba as mi
+
+        lanes = dr.arange(mi.UInt32, n * spp)
+        pixel = lanes // spp
+        number = lanes - pixel * spp + dr.opaque(mi.UInt32, index)
+        pixel += dr.opaque(mi.UInt32, first)
+        shift_a, shift_b = mi.sample_tea_32(pixel, dr.opaque(mi.UInt32, seed))
+        shift_c, shift_d = mi.sample_tea_32(shift_a, shift_b)
+        shift_e, _ = mi.sample_tea_32(shift_c, shift_d)
+        shifts = (shift_a, shift_b, shift_c, shift_d, shift_e)
+        # In whole numbers modulo 2^32: as even after a million samples as at first
+        u = [
+            mi.Float((shift + number * mi.UInt32(step)) >> 8) * 2.0**-24
+            for shift, step in zip(shifts, _STEPS, strict=True)
+        ]
+        return pixel, u
+
+    def _rays(self, pixel: Any, u: list[Any], wavelengths: Any) -> Any:
+        import drjit as dr
+        import mitsuba as mi
+
+        width = dr.opaque(mi.UInt32, self.width)
+        row = pixel // width
+        if self.filter_radius > 0.5:
+            dx, dy = (mi.warp.interval_to_tent(x) * self.filter_radius for x in u[:2])
+        else:
+            dx, dy = u[0] - 0.5, u[1] - 0.5
+        size = mi.Vector2f(self.width, self.height)
+        place = mi.Point2f(mi.Float(pixel - row * width) + 0.5 + dx, mi.Float(row) + 0.5 + dy) / size
+        ray, _ = self.sensor.sample_ray_differential(0.0, 0.5, place, mi.Point2f(u[3], u[4]))
+        ray.wavelengths = wavelengths
+        return ray
+
+    def _trace(self, ray: Any, lanes: int, spp: int, seed: int) -> tuple[Any, Any, list[Any]]:
+        self._generator.set_sample_count(spp)
+        self._generator.set_samples_per_wavefront(spp)
+        self._generator.seed(seed, lanes)
+        return self.scene.integrator().sample(self.scene, self._generator, ray)  # type: ignore[no-any-return]
+
+    def _tile(self, first: int, n: int, spp: int, half: int) -> np.ndarray:
+        import drjit as dr
+        import mitsuba as mi
+
+        pixel, u = self._samples(first, n, spp, self._counts[half], 2 * self.seed + half)
+        nm, weight, response = self._draw(u[2])
+        seed = int(np.random.SeedSequence([self.seed, self._turns, first]).generate_state(1)[0])
+        radiance, valid, aovs = self._trace(self._rays(pixel, u, nm), n * spp, spp, seed)
+        xyz = [
+            sum(L * w * r[k] for L, w, r in zip(radiance, weight, response, strict=True)) for k in range(3)
+        ]
+        channels = [*xyz, *aovs, dr.select(valid, mi.Float(1), 0)]
+        if self.bins_nm is not None:
+            channels += self._binned(radiance, weight, nm)
+        dr.eval(channels)  # once for all: each sum would trace again
+        sums = [dr.block_sum(channel, spp) for channel in channels]
+        dr.eval(sums)
+        return np.stack([np.asarray(s) for s in sums], axis=1)
+
+    def _binned(self, radiance: Any, weight: Any, nm: Any) -> list[Any]:
+        import drjit as dr
+        import mitsuba as mi
+
+        assert self.bins_nm is not None
+        out = []
+        for low, high in zip(self.bins_nm[:-1], self.bins_nm[1:], strict=True):
+            total = mi.Float(0)
+            for L, w, at in zip(radiance, weight, nm, strict=True):
+                total += dr.select((at >= float(low)) & (at < float(high)), L * w, 0)
+            out.append(total / float(high - low))
+        return out
+
+    def _monochrome_tile(self, first: int, n: int, spp: int, nm: float, seed: int) -> np.ndarray:
+        import drjit as dr
+        import mitsuba as mi
+
+        pixel, u = self._samples(first, n, spp, 0, 2 * (self.seed + seed))
+        wavelengths = mi.Spectrum(dr.opaque(mi.Float, float(nm)))
+        state = int(np.random.SeedSequence([self.seed, seed, first, 1]).generate_state(1)[0])
+        radiance, _, _ = self._trace(self._rays(pixel, u, wavelengths), n * spp, spp, state)
+        value = dr.mean(radiance)
+        dr.eval(value)
+        mean = dr.block_sum(value, spp) / spp
+        spread = dr.block_sum(dr.square(value - dr.repeat(mean, spp)), spp) / (spp * max(spp - 1, 1))
+        return np.stack([np.asarray(mean), np.sqrt(np.asarray(spread))])
+
+
+def _stratified(spp: int) -> int:
+    """Return the largest number of samples up to `spp` that fills a grid of strata, as Mitsuba lays it."""
+    while spp > 1:
+        across = math.isqrt(spp)
+        if spp % across == 0:
+            break
+        spp -= 1
+    return spp
+
+
+def check_range(low: float, high: float) -> None:
+    """Check a range of wavelengths [nm] of spectral bins.
+
+    Raises
+    ------
+    InputError
+        It is empty, or not within visible light.
+    """
+    from gemrender.errors import InputError
+
+    if not FIRST_NM <= low < high <= LAST_NM:
+        raise InputError(
+            f"must be two increasing wavelengths from {FIRST_NM:g} to {LAST_NM:g} [nm]",
+            key="range",
+            value=f"{low:g},{high:g}",
+        )
+
+
+def _drawing_table() -> Any:
+    """Return what draws four wavelengths from one number, by how much they count in linear sRGB."""
+    import drjit as dr
+    import mitsuba as mi
+
+    from gemrender.colorimetry import colour_matching, matrix_to_linear_srgb, y_integral_nm
+
+    grid = np.linspace(FIRST_NM, LAST_NM, 3801)
+    # That has the least variance in a picture; and some of each wavelength, so that none has a great weight
+    response = np.linalg.norm(colour_matching(grid) @ matrix_to_linear_srgb().T, axis=1)
+    density = response + 0.05 * response.max()
+    cumulative = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]))])
+    nm = np.interp(np.linspace(0, 1, _N_DRAW + 1), cumulative / cumulative[-1], grid)
+    places = mi.Float(nm.astype(np.float32))
+    rows = np.arange(int(FIRST_NM), int(LAST_NM) + 2, dtype=np.float64)
+    matching = colour_matching(rows).astype(np.float32) / y_integral_nm()
+    tables = [mi.Float(np.ascontiguousarray(column, dtype=np.float32)) for column in matching.T]
+
+    def draw(u: Any) -> tuple[Any, list[Any], list[list[Any]]]:
+        lanes = len(mi.Spectrum())
+        wavelengths, weights, responses = [], [], []
+        for k in range(lanes):
+            shifted = u + k / lanes
+            shifted = dr.select(shifted >= 1, shifted - 1, shifted) * _N_DRAW
+            row = dr.minimum(mi.UInt32(shifted), _N_DRAW - 1)
+            a, b = dr.gather(mi.Float, places, row), dr.gather(mi.Float, places, row + 1)
+            at = dr.fma(shifted - mi.Float(row), b - a, a)
+            wavelengths.append(at)
+            weights.append((b - a) * (_N_DRAW / lanes))
+            place = at - FIRST_NM
+            below = mi.UInt32(place)
+            part = place - mi.Float(below)
+            responses.append(
+                [
+                    dr.lerp(dr.gather(mi.Float, t, below), dr.gather(mi.Float, t, below + 1), part)
+                    for t in tables
+                ]
+            )
+        return mi.Spectrum(wavelengths), weights, responses
+
+    return draw

@@ -1,0 +1,293 @@
+"""Photoreal pictures: a scene rendered in passes until it is good enough, time is up, or someone stops it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from gemrender.errors import BackendError, InputError
+from gemrender.optics import carat_to_girdle_diameter_mm, load_material
+from gemrender.render.backend import ensure_variant
+from gemrender.render.passes import Passes
+from gemrender.scene.photoreal import Gem, photoreal_scene
+from gemrender.scene.setup import Setup
+from gemrender.stone import Stone, tessellate
+
+__all__ = ["DEFAULT_VARIANT", "Picture", "make_gems", "render", "require_denoiser"]
+
+DEFAULT_VARIANT = "llvm_ad_spectral"
+#: Girdle diameter where neither carat nor millimetres are given [mm]: about 1 carat of diamond.
+DEFAULT_DIAMETER_MM = 6.5
+#: Radius of the tent that pixels are filtered by [pixel].
+FILTER_RADIUS = 1.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Picture:
+    """What was rendered, in linear values.
+
+    Attributes
+    ----------
+    xyz : (h, w, 3) float32
+        CIE 1931 XYZ; equal-energy radiance 1 has Y = 1.
+    albedo, normal : (h, w, 3) float32
+        Of the first surface.
+    coverage : (h, w) float32
+        Share of the pixel that shows a surface.
+    spectrum : (h, w, bins) float32
+        Mean radiance in each bin.
+    bins_nm : (bins + 1,) float64 or None
+        Edges of the bins [nm].
+    samples : int
+        Samples a pixel.
+    noise : float
+        Root mean square error of luminance, as a share of its mean.
+    seconds : float
+        Time it took [s].
+    stopped : {"samples", "noise", "time", "interrupted"}
+        Why it ended.
+    """
+
+    xyz: np.ndarray
+    albedo: np.ndarray
+    normal: np.ndarray
+    coverage: np.ndarray
+    spectrum: np.ndarray
+    bins_nm: np.ndarray | None
+    samples: int
+    noise: float
+    seconds: float
+    stopped: str
+
+
+def make_gems(
+    stones: Sequence[Stone],
+    *,
+    material: str | None = None,
+    carat: float | None = None,
+    diameter_mm: float | None = None,
+) -> list[Gem]:
+    """Return stones with material and size.
+
+    Parameters
+    ----------
+    stones : sequence of Stone
+        The stones.
+    material : str, optional
+        Name or file of the material of all; by default each stone's own.
+    carat, diameter_mm : float, optional
+        Weight of each stone [carat], or its girdle diameter [mm]; not both.
+
+    Raises
+    ------
+    InputError
+        Unknown material, a size that no stone has, or a weight without a density.
+    """
+    if carat is not None and diameter_mm is not None:
+        raise InputError("give a weight or a diameter, not both", key="carat", value=carat)
+    if diameter_mm is not None and not 0.1 <= diameter_mm <= 1000:
+        raise InputError("must be from 0.1 to 1000 [mm]", key="diameter", value=diameter_mm)
+    gems = []
+    for stone in stones:
+        named = material if material is not None else stone.material
+        name = "diamond" if named is None else named
+        try:
+            of_stone = load_material(name)
+        except InputError as error:
+            if error.source is not None:
+                raise
+            if material is not None:
+                raise InputError(error.allowed, key="material", value=material) from error
+            raise error.at(stone.source or stone.name, "material") from error
+        diameter = diameter_mm or DEFAULT_DIAMETER_MM
+        if carat is not None:
+            if of_stone.density is None:
+                raise InputError(
+                    "needs the material's density, which its file does not give", key="carat", value=carat
+                )
+            diameter = carat_to_girdle_diameter_mm(carat, _volume(stone), of_stone.density)
+        gems.append(Gem(stone=stone, material=of_stone, material_name=name, diameter_mm=diameter))
+    return gems
+
+
+def require_denoiser() -> Any:
+    """Import the denoiser.
+
+    Raises
+    ------
+    BackendError
+        It is not installed.
+    """
+    try:
+        import mitsuba_oidn
+    except ImportError as error:
+        raise BackendError(
+            f"the denoiser cannot be imported ({error}); to cure it: pip install 'gemrender[denoise]'"
+        ) from error
+    return mitsuba_oidn
+
+
+def render(
+    gems: Sequence[Gem],
+    setup: Setup,
+    *,
+    width: int,
+    height: int,
+    spp: int | None = 256,
+    noise: float | None = None,
+    time_limit: float | None = None,
+    seed: int = 0,
+    dispersion: bool = True,
+    bins_nm: Sequence[float] | None = None,
+    turn_deg: float = 0.0,
+    turntable: bool = False,
+    variant: str = DEFAULT_VARIANT,
+    progress: Callable[[float], None] | None = None,
+) -> Picture:
+    """Render stones in a set-up.
+
+    It ends at `spp` samples a pixel, at a noise, or after a time, whichever comes first. An interruption
+    (Ctrl-C) ends it too, and keeps the passes that are done.
+
+    Parameters
+    ----------
+    gems : sequence of Gem
+        The stones, from left to right.
+    setup : Setup
+        What stands around them.
+    width, height : int
+        Size [pixels].
+    spp : int, optional
+        Samples a pixel.
+    noise : float, optional
+        Root mean square error of luminance, as a share of its mean.
+    time_limit : float, optional
+        Time [s]; at least one pass is rendered.
+    seed : int
+        Seed.
+    dispersion : bool
+        Whether the index depends on the wavelength.
+    bins_nm : sequence of float, optional
+        Edges of spectral bins [nm].
+    turn_deg, turntable : float, bool
+        As for `photoreal_scene`.
+    variant : str
+        Spectral Mitsuba variant; set, and left set.
+    progress : callable, optional
+        Called with the share done, 0 to 1.
+
+    Raises
+    ------
+    InputError
+        A value outside what is listed, or a scene that cannot be.
+    BackendError
+        Mitsuba cannot run here.
+    KeyboardInterrupt
+        Interrupted before the first pass was done.
+    """
+    _check_ends(spp, noise, time_limit, seed)
+    if not variant.endswith("_spectral"):
+        raise InputError("must be a spectral variant, as llvm_ad_spectral", key="variant", value=variant)
+    ensure_variant(variant)
+    import mitsuba as mi
+
+    started = time.perf_counter()
+    scene = photoreal_scene(
+        gems,
+        setup,
+        width=width,
+        height=height,
+        dispersion=dispersion,
+        turn_deg=turn_deg,
+        turntable=turntable,
+    )
+    passes = Passes(mi.load_dict(scene.to_dict()), seed=seed, filter_radius=FILTER_RADIUS, bins_nm=bins_nm)
+    stopped = _run(passes, spp, noise, time_limit, started, progress)
+    return Picture(
+        xyz=passes.xyz,
+        albedo=passes.albedo,
+        normal=passes.normal,
+        coverage=passes.coverage,
+        spectrum=passes.spectrum,
+        bins_nm=passes.bins_nm,
+        samples=passes.samples,
+        noise=passes.noise(),
+        seconds=time.perf_counter() - started,
+        stopped=stopped,
+    )
+
+
+def _run(
+    passes: Passes,
+    spp: int | None,
+    noise: float | None,
+    time_limit: float | None,
+    started: float,
+    progress: Callable[[float], None] | None,
+) -> str:
+    """Add passes until one of the ends is reached; return which."""
+    try:
+        while True:
+            left = None if spp is None else spp - passes.samples
+            if left == 0:
+                return "samples"
+            elapsed = time.perf_counter() - started
+            if passes.samples and time_limit is not None:
+                a_pass = elapsed * passes.samples_of_a_pass() / passes.samples
+                if elapsed + 0.5 * a_pass > time_limit:
+                    return "time"
+            found = passes.noise()
+            if noise is not None and found <= noise:
+                return "noise"
+            if progress is not None:
+                progress(_share(passes.samples, spp, found, noise, elapsed, time_limit))
+            most = passes.samples_of_a_pass()
+            if spp is not None:
+                most = min(most, -(-spp // 2))  # two passes at least: their difference tells the noise
+            passes.add(most if left is None else min(most, left))
+    except KeyboardInterrupt:
+        if passes.samples == 0:
+            raise
+        return "interrupted"
+
+
+def _share(
+    samples: int,
+    spp: int | None,
+    found: float,
+    noise: float | None,
+    elapsed: float,
+    time_limit: float | None,
+) -> float:
+    shares = [0.0]
+    if spp is not None:
+        shares.append(samples / spp)
+    if noise is not None and np.isfinite(found):
+        shares.append(min((noise / found) ** 2, 0.99))
+    if time_limit is not None:
+        shares.append(min(elapsed / time_limit, 0.99))
+    return max(shares)
+
+
+def _check_ends(spp: int | None, noise: float | None, time_limit: float | None, seed: int) -> None:
+    if spp is None and noise is None and time_limit is None:
+        raise InputError("needs a number of samples, a noise or a time to end at", key="spp", value=spp)
+    if spp is not None and not 1 <= spp <= 1 << 24:
+        raise InputError(f"must be from 1 to {1 << 24}", key="spp", value=spp)
+    if noise is not None and not 1e-5 <= noise <= 1:
+        raise InputError("must be from 0.00001 to 1", key="noise", value=noise)
+    if time_limit is not None and not 0 < time_limit <= 1e7:
+        raise InputError("must be above 0 [s]", key="time", value=time_limit)
+    if not 0 <= seed < 1 << 30:
+        raise InputError(f"must be from 0 to {(1 << 30) - 1}", key="seed", value=seed)
+
+
+def _volume(stone: Stone) -> float:
+    """Volume of a stone [girdle radius^3], by Gauss's theorem over its mesh."""
+    mesh = tessellate(stone)
+    a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)

@@ -1,0 +1,334 @@
+"""Scenes for pictures: stones in a set-up, as Mitsuba dictionaries."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from gemrender.colorimetry import (
+    adapt,
+    illuminant_spectrum,
+    white_xyz,
+    xyz_to_linear_srgb,
+)
+from gemrender.errors import InputError
+from gemrender.optics import Material
+from gemrender.scene.placing import Placed, frame, place, towards
+from gemrender.scene.setup import Light, Setup
+from gemrender.stone import Stone
+
+__all__ = ["MOST_PIXELS", "Gem", "PhotorealScene", "photoreal_scene"]
+
+#: Longest side of a picture [pixels].
+MOST_PIXELS = 16384
+#: Where spectra are written down [nm]: Mitsuba's range, in the steps of CIE's tables.
+_SPECTRUM_NM = np.arange(360.0, 831.0, 5.0)
+#: Half a width of grounds [girdle radius]: their edge is out of sight.
+_WIDE = 60.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gem:
+    """A stone with what it is made of.
+
+    Attributes
+    ----------
+    stone : Stone
+        Its shape.
+    material : Material
+        Its material.
+    material_name : str or float
+        What the material is loaded by: a name, a file or an index.
+    diameter_mm : float
+        Girdle diameter [mm].
+    """
+
+    stone: Stone
+    material: Material
+    material_name: str | float
+    diameter_mm: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PhotorealScene:
+    """A scene in parts: all that is plain, and the stones.
+
+    Attributes
+    ----------
+    plain : dict
+        The scene for `mi.load_dict`, without the stones.
+    stones : tuple of Placed
+        The stones in their places.
+    surfaces : tuple of dict
+        Surface of each.
+    sweep : pair of dict and dict, or None
+        Measures and surface of a sweep, which is a mesh too.
+    """
+
+    plain: dict[str, Any]
+    stones: tuple[Placed, ...]
+    surfaces: tuple[dict[str, Any], ...]
+    sweep: tuple[dict[str, Any], dict[str, Any]] | None
+
+    def meshes(self, *, with_surface: bool = True) -> dict[str, Any]:
+        """Build the meshes for the active variant, by their names in the scene."""
+        from gemrender.scene.mesh import placed_mesh, sweep_mesh
+
+        out = {
+            f"stone_{k}": placed_mesh(placed, surface if with_surface else None, f"stone_{k}")
+            for k, (placed, surface) in enumerate(zip(self.stones, self.surfaces, strict=True), start=1)
+        }
+        if self.sweep is not None:
+            measures, surface = self.sweep
+            out["ground"] = sweep_mesh(bsdf=surface if with_surface else None, **measures)
+        return out
+
+    def mesh_surfaces(self) -> dict[str, dict[str, Any]]:
+        """Return the surfaces of the meshes, by their names in the scene."""
+        out = {f"stone_{k}": surface for k, surface in enumerate(self.surfaces, start=1)}
+        return out | ({"ground": self.sweep[1]} if self.sweep is not None else {})
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the scene for `mi.load_dict`, with meshes of the active variant."""
+        return {**self.plain, **self.meshes()}
+
+
+def photoreal_scene(
+    gems: Sequence[Gem],
+    setup: Setup,
+    *,
+    width: int,
+    height: int,
+    dispersion: bool = True,
+    stock: bool = False,
+    turn_deg: float = 0.0,
+    turntable: bool = False,
+    samples: int = 64,
+) -> PhotorealScene:
+    """Return the scene of stones in a set-up.
+
+    Parameters
+    ----------
+    gems : sequence of Gem
+        The stones, from left to right. A scene unit is the girdle radius of the first.
+    setup : Setup
+        What stands around them.
+    width, height : int
+        Size of the picture [pixels].
+    dispersion : bool
+        Whether the index depends on the wavelength.
+    stock : bool
+        Whether to use Mitsuba's own plugins only: `path` and `dielectric`, without dispersion and
+        absorption, colours as RGB.
+    turn_deg : float
+        Turn of the stones about the vertical [deg].
+    turntable : bool
+        Whether the camera leaves room for all turns.
+    samples : int
+        Samples a pixel where Mitsuba renders the scene.
+
+    Raises
+    ------
+    InputError
+        A size that no picture has, or a camera too near.
+    """
+    for key, side in (("width", width), ("height", height)):
+        if not 1 <= side <= MOST_PIXELS:
+            raise InputError(f"must be from 1 to {MOST_PIXELS} [pixels]", key=f"size: {key}", value=side)
+    first_mm = gems[0].diameter_mm
+    placed = place(
+        [gem.stone for gem in gems],
+        pose=setup.pose,
+        facing_deg=setup.facing,
+        gap=setup.gap,
+        azimuth_deg=setup.camera.azimuth,
+        sizes=[gem.diameter_mm / first_mm for gem in gems],
+    )
+    points = np.concatenate([p.points() for p in placed])
+    target = np.array([0.0, 0.0, 0.5 * (points[:, 2].min() + points[:, 2].max())])
+    try:
+        view = _sensor(setup, placed, target, width, height, turntable, samples)
+    except InputError as error:
+        raise error.at(setup.source or setup.name) from error
+    scene: dict[str, Any] = {
+        "type": "scene",
+        "integrator": {"type": "path" if stock else "gem_path", "max_depth": -1},
+        "sensor": view,
+    }
+    if stock:
+        scene["integrator"]["rr_depth"] = 32
+    scene |= _lights(setup, target, stock)
+    scene |= _sky(setup, stock)
+    sweep = None
+    paper = {"type": "diffuse", "reflectance": _reflectance(setup.ground.reflectance, stock)}
+    if setup.ground.type == "plane":
+        scene["ground"] = {"type": "disk", "to_world": _scaled(_WIDE), "bsdf": paper}
+    elif setup.ground.type == "sweep":
+        # Towards the wall that stands behind the stones, as the camera sees them
+        measures = {
+            "half_width": _WIDE,
+            "wall": setup.ground.distance,
+            "bend": 0.6 * setup.ground.distance,
+            "azimuth_deg": setup.camera.azimuth + 180,
+        }
+        sweep = (measures, {"type": "twosided", "bsdf": paper})
+    surfaces = tuple(_surface(gem, first_mm, dispersion, stock) for gem in gems)
+    return PhotorealScene(
+        plain=scene,
+        stones=tuple(p.turned(turn_deg) if turn_deg else p for p in placed),
+        surfaces=surfaces,
+        sweep=sweep,
+    )
+
+
+# ---- Parts ---------------------------------------------------------------------------------------------
+
+
+def _surface(gem: Gem, first_mm: float, dispersion: bool, stock: bool) -> dict[str, Any]:
+    if stock:
+        return {"type": "dielectric", "int_ior": float(gem.material.index(589.3)), "ext_ior": 1.0}
+    name = gem.material_name
+    return {
+        "type": "gem_dielectric",
+        ("material" if isinstance(name, str) else "int_ior"): name,
+        "dispersion": dispersion,
+        "unit_mm": 0.5 * first_mm,
+    }
+
+
+def _sensor(
+    setup: Setup,
+    placed: list[Placed],
+    target: np.ndarray,
+    width: int,
+    height: int,
+    turntable: bool,
+    samples: int,
+) -> dict[str, Any]:
+    import mitsuba as mi
+
+    camera = setup.camera
+    turns = [float(t) for t in range(0, 360, 10)] if turntable else [0.0]
+    origin, _, up, half = frame(camera, placed, target, width / height, turns)
+    to_world = mi.ScalarTransform4f().look_at(origin.tolist(), target.tolist(), up.tolist())
+    film = {
+        "type": "hdrfilm",
+        "width": width,
+        "height": height,
+        "pixel_format": "rgb",
+        "component_format": "float32",
+        "rfilter": {"type": "box"},
+    }
+    common = {
+        "film": film,
+        "sampler": {"type": "independent", "sample_count": samples},
+        "near_clip": 0.01,
+        "far_clip": 1e5,
+    }
+    if camera.type == "orthographic":
+        to_world = to_world @ mi.ScalarTransform4f().scale([half, half, 1.0])
+        return {"type": "orthographic", "to_world": to_world, **common}
+    sensor = {
+        "type": "perspective" if camera.type == "perspective" else "thinlens",
+        "fov": float(2 * np.degrees(np.arctan(half / camera.distance))),
+        "fov_axis": "x",
+        "to_world": to_world,
+        **common,
+    }
+    if camera.type == "thin-lens":
+        sensor |= {"aperture_radius": camera.aperture, "focus_distance": camera.distance - camera.focus}
+    return sensor
+
+
+def _lights(setup: Setup, target: np.ndarray, stock: bool) -> dict[str, Any]:
+    import mitsuba as mi
+
+    out: dict[str, Any] = {}
+    for number, light in enumerate(setup.lights, start=1):
+        emitter = {"type": "area", "radiance": _emission(light.radiance, light.spectrum, setup, stock)}
+        place = target + light.distance * towards(light.elevation, light.azimuth)
+        if light.shape == "sphere":
+            out[f"light_{number}"] = {
+                "type": "sphere",
+                "center": place.tolist(),
+                "radius": 0.5 * light.size[0],
+                "emitter": emitter,
+            }
+            continue
+        to_world = _facing(light, place, target)
+        width, height = light.size
+        if light.shape == "ring":
+            for k in range(light.count):
+                turn = 2 * np.pi * k / light.count
+                at = [0.5 * width * np.cos(turn), 0.5 * width * np.sin(turn), 0.0]
+                diode = mi.ScalarTransform4f().translate(at).scale([0.5 * height, 0.5 * height, 1.0])
+                out[f"light_{number}_{k + 1}"] = {
+                    "type": "disk",
+                    "to_world": to_world @ diode,
+                    "emitter": emitter,
+                }
+            continue
+        scale = mi.ScalarTransform4f().scale([0.5 * width, 0.5 * height, 1.0])
+        out[f"light_{number}"] = {
+            "type": "rectangle" if light.shape == "rectangle" else "disk",
+            "to_world": to_world @ scale,
+            "emitter": emitter,
+        }
+    return out
+
+
+def _facing(light: Light, place: np.ndarray, target: np.ndarray) -> Any:
+    """Return the transform of a light that faces the stones."""
+    import mitsuba as mi
+
+    up = [0.0, 0.0, 1.0]
+    if abs(light.elevation) > 89:  # straight above: up is away from the light's azimuth
+        up = (-towards(0.0, light.azimuth)).tolist()
+    return mi.ScalarTransform4f().look_at(place.tolist(), target.tolist(), up)
+
+
+def _sky(setup: Setup, stock: bool) -> dict[str, Any]:
+    sky = setup.sky
+    if sky.radiance == 0:
+        return {}
+    radiance = _emission(sky.radiance, sky.spectrum, setup, stock)
+    if sky.type == "uniform":
+        return {"sky": {"type": "constant", "radiance": radiance}}
+    if not stock:
+        return {"sky": {"type": "gem_hemisphere", "radiance": radiance}}
+    # Black below the horizon: a black floor under the stones, wide enough for any ray
+    import mitsuba as mi
+
+    floor = mi.ScalarTransform4f().translate([0.0, 0.0, -1e-3]).scale([1e4, 1e4, 1.0])
+    black = {"type": "diffuse", "reflectance": _reflectance(0.0, stock)}
+    return {
+        "sky": {"type": "constant", "radiance": radiance},
+        "below": {"type": "disk", "to_world": floor, "bsdf": black},
+    }
+
+
+def _emission(radiance: float, spectrum: str | float, setup: Setup, stock: bool) -> dict[str, Any]:
+    """Return an emission: luminance `radiance` of a light's colour."""
+    if stock:
+        rgb = xyz_to_linear_srgb(adapt(white_xyz(spectrum), white_xyz(setup.white))) * radiance
+        return {"type": "rgb", "value": [float(x) for x in np.maximum(rgb, 0.0)]}
+    values = illuminant_spectrum(spectrum, _SPECTRUM_NM) * radiance
+    return {
+        "type": "regular",
+        "wavelength_min": float(_SPECTRUM_NM[0]),
+        "wavelength_max": float(_SPECTRUM_NM[-1]),
+        "values": ", ".join(f"{x:.6g}" for x in values),
+    }
+
+
+def _reflectance(value: float, stock: bool) -> dict[str, Any]:
+    return {"type": "rgb", "value": value} if stock else {"type": "uniform", "value": value}
+
+
+def _scaled(factor: float) -> Any:
+    import mitsuba as mi
+
+    return mi.ScalarTransform4f().scale([factor, factor, 1.0])

@@ -1,0 +1,319 @@
+"""Set-ups: camera, lights, sky and ground that a stone is pictured in, each a TOML file."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+from gemrender.errors import InputError
+from gemrender.reading import (
+    bundled_files,
+    did_you_mean,
+    parse_toml,
+    read_lines,
+    refuse_unknown,
+    section,
+    stem,
+    text_line,
+    told_at,
+)
+
+__all__ = [
+    "CAMERAS",
+    "GROUNDS",
+    "LIGHTS",
+    "POSES",
+    "Camera",
+    "Ground",
+    "Light",
+    "Setup",
+    "Sky",
+    "bundled_setups",
+    "load_setup",
+]
+
+CAMERAS = ("perspective", "thin-lens", "orthographic")
+LIGHTS = ("rectangle", "disc", "ring", "sphere")
+SKIES = ("uniform", "hemisphere")
+GROUNDS = ("none", "plane", "sweep")
+POSES = ("table-up", "lying", "table-down")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Camera:
+    """Where the picture is taken from. Lengths in girdle radii of the (first) stone, angles in degrees.
+
+    Attributes
+    ----------
+    type : {"perspective", "thin-lens", "orthographic"}
+        Kind of camera.
+    elevation, azimuth : float
+        Direction from the stones to the camera: above the horizon (90 looks straight down), and about the
+        vertical, anticlockwise from x [deg].
+    distance : float
+        From the stones' middle to the camera.
+    margin : float
+        Side of the picture, as a multiple of what the stones take up.
+    aperture : float
+        Radius of the lens ("thin-lens").
+    focus : float
+        What is sharp: so far in front of the stones' middle, towards the camera ("thin-lens").
+    """
+
+    type: str = "perspective"
+    elevation: float = 35.0
+    azimuth: float = -90.0
+    distance: float = 15.0
+    margin: float = 1.25
+    aperture: float = 0.0
+    focus: float = 0.0
+
+    def __post_init__(self) -> None:
+        _one_of(self, "type", CAMERAS)
+        _within(self, "elevation", -90, 90)
+        _within(self, "azimuth", -360, 360)
+        _within(self, "distance", 0.1, 1e4)
+        _within(self, "margin", 0.05, 100)
+        _within(self, "aperture", 0, 100)
+        _within(self, "focus", -1e3, 1e3)
+        if self.type == "thin-lens" and self.aperture == 0:
+            raise InputError("must be above 0 for a thin lens", key="aperture", value=self.aperture)
+        if self.focus >= self.distance:
+            raise InputError("must be less than the distance", key="focus", value=self.focus)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Light:
+    """A light that shines towards the stones.
+
+    Attributes
+    ----------
+    shape : {"rectangle", "disc", "ring", "sphere"}
+        A ring is a circle of small discs, as of diodes about a loupe.
+    elevation, azimuth, distance : float
+        Where its middle stands, as seen from the stones' middle [deg, girdle radius].
+    size : (float, float)
+        Width and height of a rectangle; diameter of a disc, a sphere and a ring, and of a ring's discs
+        [girdle radius].
+    count : int
+        Discs of a ring.
+    radiance : float
+        Luminance, relative: that of white ground under a sky of radiance 1 is its reflectance.
+    spectrum : str or float
+        A light of colorimetry ("d65", "a", "e", ...) or the temperature of a blackbody [K].
+    """
+
+    shape: str
+    elevation: float = 45.0
+    azimuth: float = 0.0
+    distance: float = 8.0
+    size: tuple[float, float] = (2.0, 2.0)
+    count: int = 24
+    radiance: float = 1.0
+    spectrum: str | float = "d65"
+
+    def __post_init__(self) -> None:
+        _one_of(self, "shape", LIGHTS)
+        _within(self, "elevation", -90, 90)
+        _within(self, "azimuth", -360, 360)
+        _within(self, "distance", 0.1, 1e4)
+        _within(self, "radiance", 0, 1e9)
+        _spectrum(self)
+        size: Any = self.size
+        if isinstance(size, (int, float)) and not isinstance(size, bool):
+            size = (size, size)
+        allowed = "must be one or two numbers above 0 [girdle radius]"
+        if not isinstance(size, (list, tuple)) or len(size) != 2:
+            raise InputError(allowed, key="size", value=self.size)
+        for value in size:
+            if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value <= 1e4:
+                raise InputError(allowed, key="size", value=self.size)
+        object.__setattr__(self, "size", (float(size[0]), float(size[1])))
+        if isinstance(self.count, bool) or not isinstance(self.count, int) or not 1 <= self.count <= 256:
+            raise InputError("must be a whole number from 1 to 256", key="count", value=self.count)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sky:
+    """Light from all around, beyond everything else.
+
+    Attributes
+    ----------
+    type : {"uniform", "hemisphere"}
+        The same from everywhere, or from above the horizon only, as in Inoue's paper.
+    radiance : float
+        Luminance, relative.
+    spectrum : str or float
+        As of a light.
+    """
+
+    type: str = "uniform"
+    radiance: float = 0.0
+    spectrum: str | float = "d65"
+
+    def __post_init__(self) -> None:
+        _one_of(self, "type", SKIES)
+        _within(self, "radiance", 0, 1e9)
+        _spectrum(self)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ground:
+    """What the stones lie on.
+
+    Attributes
+    ----------
+    type : {"none", "plane", "sweep"}
+        A sweep is a plane that curves up to a wall behind the stones, as photographers' paper does.
+    reflectance : float
+        Diffuse reflectance: 0.01 is velvet, 0.85 white paper.
+    distance : float
+        From the stones' middle to where a sweep's wall stands [girdle radius].
+    """
+
+    type: str = "none"
+    reflectance: float = 0.5
+    distance: float = 12.0
+
+    def __post_init__(self) -> None:
+        _one_of(self, "type", GROUNDS)
+        _within(self, "reflectance", 0, 1)
+        _within(self, "distance", 3, 1e3)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Setup:
+    """All that stands around the stones.
+
+    Attributes
+    ----------
+    name, about : str
+        What to call it, and what it is for.
+    pose : {"table-up", "lying", "table-down"}
+        How the stones rest; lying is on a pavilion main facet, as a loose stone does.
+    facing : float
+        Azimuth that the table of a lying stone leans to, from the camera's [deg].
+    gap : float
+        Between stones that stand side by side [girdle radius].
+    white : str or float
+        The light that is white in the picture, as a light's spectrum.
+    exposure : float
+        Correction of the automatic exposure [stops].
+    camera, lights, sky, ground
+        The parts.
+    source : str or None
+        The file, for error messages.
+    """
+
+    name: str
+    about: str = ""
+    pose: str = "table-up"
+    facing: float = 0.0
+    gap: float = 0.4
+    white: str | float = "d65"
+    exposure: float = 0.0
+    camera: Camera = field(default_factory=Camera)
+    lights: tuple[Light, ...] = ()
+    sky: Sky = field(default_factory=Sky)
+    ground: Ground = field(default_factory=Ground)
+    source: str | None = None
+
+    def __post_init__(self) -> None:
+        _one_of(self, "pose", POSES)
+        _within(self, "facing", -360, 360)
+        _within(self, "gap", 0.01, 100)
+        _within(self, "exposure", -20, 20)
+        _spectrum(self, "white")
+        if self.sky.radiance == 0 and not any(light.radiance > 0 for light in self.lights):
+            raise InputError("needs a light or a sky with a radiance above 0", key="[[light]]")
+
+
+def load_setup(setup: str | os.PathLike[str]) -> Setup:
+    """Load a set-up from a TOML file, or a bundled one by its name.
+
+    Raises
+    ------
+    InputError
+        No such set-up, or a file that makes none.
+    """
+    name = os.fspath(setup)
+    bundled = bundled_files("setups")
+    path = Path(name)
+    if name in bundled and not _is_file(path):
+        path = bundled[name]
+    names = ", ".join(sorted(bundled))
+    if path.name == name and not name.endswith(".toml") and not _is_file(path):
+        raise InputError(
+            f"must be a set-up file or one of {names}{did_you_mean(name, bundled)}", key="setup", value=name
+        )
+    source = str(path)
+    with told_at(source):
+        top = parse_toml(read_lines(path, kind="set-up"), kind="set-up")
+        keys = [f.name for f in fields(Setup) if f.name not in ("source", "lights")]
+        refuse_unknown(top, [*keys, "light"])
+        values: dict[str, Any] = {
+            key: top[key] for key in ("pose", "facing", "gap", "white", "exposure") if key in top
+        }
+        values["name"] = text_line(top, "name", stem(path, "set-up"), 100)
+        values["about"] = text_line(top, "about", "", 1000, empty=True)
+        for key, part in (("camera", Camera), ("sky", Sky), ("ground", Ground)):
+            if key in top:
+                table = section(top, key, [f.name for f in fields(part)])
+                with told_at(None, key):
+                    values[key] = part(**table)
+        values["lights"] = _lights(top.get("light", []))
+        return Setup(**values, source=source)
+
+
+def bundled_setups() -> list[str]:
+    """Return the names of the set-ups that come with gemrender."""
+    return sorted(bundled_files("setups"))
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # too long, or with a null character
+        return False
+
+
+def _lights(tables: object) -> tuple[Light, ...]:
+    if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
+        raise InputError("must be sections: a line [[light]] before each", key="light", value=tables)
+    lights = []
+    for number, table in enumerate(tables, start=1):
+        refuse_unknown(table, [f.name for f in fields(Light)], f"light {number}")
+        with told_at(None, f"light {number}"):
+            if "shape" not in table:
+                raise InputError(f"missing; must be one of {', '.join(LIGHTS)}", key="shape")
+            lights.append(Light(**table))
+    return tuple(lights)
+
+
+# ---- Checks --------------------------------------------------------------------------------------------
+
+
+def _one_of(part: Any, key: str, allowed: Sequence[str]) -> None:
+    value = getattr(part, key)
+    if value not in allowed:
+        hint = did_you_mean(value, allowed) if isinstance(value, str) else ""
+        raise InputError(f"must be one of {', '.join(allowed)}{hint}", key=key, value=value)
+
+
+def _within(part: Any, key: str, low: float, high: float) -> None:
+    value = getattr(part, key)
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    if not number or not low <= value <= high:  # false for NaN too
+        raise InputError(f"must be a number from {low:g} to {high:g}", key=key, value=value)
+
+
+def _spectrum(part: Any, key: str = "spectrum") -> None:
+    from gemrender.colorimetry import white_xyz
+
+    try:
+        white_xyz(getattr(part, key))
+    except InputError as error:
+        raise InputError(error.allowed, key=key, value=error.value) from error
