@@ -74,3 +74,25 @@ FURNACE_ROUNDING = 1e-5
 #: in a map of 64 x 64 of sample 2, nothing in the maps of the tests.
 FURNACE_PIXELS = 2e-3
 FURNACE_DEFICIT = 2e-4
+
+# ---- Light by `gem_path` ----
+
+#: Standard errors that the mean over a million samples may be off: 3 in a thousand are further off by chance,
+#: so that of 40 such means one is in one case of nine. Their seeds are fixed.
+THREE_SIGMA = 3.0
+#: Chance that the pictures of two integrators which agree are told to differ, over all their pixels.
+SIGNIFICANCE = 0.01
+#: Share of energy that may be lost or made where wavelengths part.
+WHITE = 5e-3
+#: Radiance of a slab from 65 536 samples, by its mean: roulette alone makes noise there, 1e-4 of it.
+SLAB = 1e-3
+#: Angle by which a prism deviates [rad]. Directions in single precision are right to 1e-7; index tables have
+#: rows of 1 nm: 2e-7; the lamp is 1e5 prisms away, as far off as the ray's displacement by a prism: 5e-6.
+DEVIATION = 1e-5
+#: Share of rays that may go other ways where facets are found in other ways: those within rounding of an
+#: edge, which are more with each reflection. Half a per cent were found.
+OTHER_WAY = 0.01
+#: Radiance along a ray that goes the same way by another arithmetic: rounding of a few dozen directions.
+SAME_WAY = 1e-3
+#: Planes and cylinder read back from a mesh of size 4, rounded to single precision: 1e-7 of it.
+READ_BACK = 1e-6
