@@ -423,7 +423,8 @@ def print_furnace(scene: SceneDescription, bins: Sequence[Bin], options: argpars
 def print_found(found: Compared, bins: Sequence[Bin], block: int) -> None:
     """Print a comparison."""
     print(
-        f"\n{'bin':<12}{'index':>9}{'ours at':>10}{'raysect':>10}{'ours - it':>12}{'error':>10}{'sigmas':>8}{'relative':>20}"
+        f"\n{'bin':<12}{'index':>9}{'ours at':>10}{'raysect':>10}"
+        f"{'ours - it':>12}{'error':>10}{'sigmas':>8}{'relative':>20}"
     )
     for one, (mean, off, error, sigmas) in zip(bins, found.bins, strict=True):
         relative = f"{100 * off / mean:+.3f} +- {100 * error / mean:.3f} %"

@@ -196,7 +196,8 @@ class PathIntegrator(mi.SamplingIntegrator):
                 stones.enter(entering, eta, d, n, cos_air, mi.UInt32(k), part) for k in range(stones.n_ways)
             ]
             β_in, n_in, d_in = stones.enter(entering, eta, d, n, cos_air, channel, part)
-            p, d = mi.Point3f(si.p), mi.Vector3f(d_in)
+            start = mi.Point3f(stones.inwards(si.p, n))
+            p, d = mi.Point3f(start), mi.Vector3f(d_in)
             in_depth = depth + 1
             inside = mi.Bool(arrives)
 
@@ -255,7 +256,7 @@ class PathIntegrator(mi.SamplingIntegrator):
                         β_in = dr.select(this, ways[k][0], β_in)
                         n_in = dr.select(this, ways[k][1], n_in)
                         d = dr.select(this, ways[k][2], d)
-                    p = dr.select(again, si.p, p)
+                    p = dr.select(again, start, p)
                     in_depth = dr.select(again, depth + 1, in_depth)
                     inside |= again
 

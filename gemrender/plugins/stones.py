@@ -185,7 +185,7 @@ class Stones:
 
     def inwards(self, p: mi.Point3f, n: mi.Vector3f) -> mi.Point3f:
         """Return where the next query starts, for a point on the surface."""
-        return p if self.solids is not None else p - RAY_OFFSET * self.size * n
+        return p if self.solids is not None else mi.Point3f(p - RAY_OFFSET * self.size * n)
 
     def outside(self, ray: mi.Ray3f, active: mi.Bool) -> tuple[mi.Bool, mi.Spectrum]:
         """Look along a ray that has left a stone.

@@ -19,6 +19,8 @@ from gemrender.scene.setup import Setup
 
 __all__ = ["STILL_SUFFIXES", "denoised", "developed", "exposure_of", "write_picture"]
 
+#: Luminance that the ground gets, where it is exposed for.
+PAPER = 0.8
 #: How the names of still pictures end.
 STILL_SUFFIXES = (".png", ".exr")
 
@@ -49,9 +51,15 @@ def denoised(picture: Picture) -> Picture:
 
 def exposure_of(picture: Picture, setup: Setup, *, ev: float = 0.0) -> float:
     """Return the automatic exposure of a picture, with the set-up's and the user's correction [stops]."""
-    # The ground does not count: on the stones is where eyes are.
-    on_stones = (picture.albedo.min(axis=2) > 0.99) & (picture.coverage > 0.99)
-    return auto_exposure(picture.xyz[..., 1], on_stones if on_stones.any() else None, ev=ev + setup.exposure)
+    covered = picture.coverage > 0.99
+    on_stones = covered & (picture.albedo.min(axis=2) > 0.99)
+    on_ground = covered & (picture.albedo.max(axis=2) < 0.99)
+    luminance = picture.xyz[..., 1]
+    if setup.expose_for == "ground" and on_ground.any():
+        level = float(np.median(luminance[on_ground]))
+        if level > 0:
+            return float(PAPER * 2.0 ** (ev + setup.exposure) / level)
+    return auto_exposure(luminance, on_stones if on_stones.any() else None, ev=ev + setup.exposure)
 
 
 def developed(picture: Picture, setup: Setup, *, exposure: float, curve: str = "linear") -> np.ndarray:

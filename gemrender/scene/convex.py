@@ -64,7 +64,8 @@ def convex_solid(
         Facet that each face belongs to; `GIRDLE` for the girdle.
     """
     positions, normals = np.asarray(positions, dtype=np.float64), np.asarray(normals, dtype=np.float64)
-    size = float(np.linalg.norm(np.ptp(positions, axis=0)))
+    # What single precision rounds by goes with the distance from the origin.
+    size = max(float(np.linalg.norm(np.ptp(positions, axis=0))), 0.1 * float(np.abs(positions).max()))
     on_girdle = np.unique(faces[facet == GIRDLE])
     planar = np.unique(faces[facet != GIRDLE])
     if len(planar) == 0:

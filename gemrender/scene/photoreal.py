@@ -149,7 +149,9 @@ def photoreal_scene(
     )
     points = np.concatenate([p.points() for p in placed])
     target = np.array([0.0, 0.0, 0.5 * (points[:, 2].min() + points[:, 2].max())])
+    reach = float(np.hypot(*points[:, :2].T).max())
     try:
+        _check_apart(setup, target, reach, float(points[:, 2].max()))
         view = _sensor(setup, placed, target, width, height, turntable, samples)
     except InputError as error:
         raise error.at(setup.source or setup.name) from error
@@ -170,11 +172,13 @@ def photoreal_scene(
         # Towards the wall that stands behind the stones, as the camera sees them
         measures = {
             "half_width": _WIDE,
-            "wall": setup.ground.distance,
-            "bend": 0.6 * setup.ground.distance,
+            "wall": max(setup.ground.distance, 2.5 * reach),  # the bend begins beyond the stones
+            "bend": 0.6 * max(setup.ground.distance, 2.5 * reach),
             "azimuth_deg": setup.camera.azimuth + 180,
         }
         sweep = (measures, {"type": "twosided", "bsdf": paper})
+    elif setup.ground.type == "cup":
+        scene |= {f"cup_{k}": _cup(stone, paper) for k, stone in enumerate(placed, start=1)}
     surfaces = tuple(_surface(gem, first_mm, dispersion, stock) for gem in gems)
     return PhotorealScene(
         plain=scene,
@@ -185,6 +189,29 @@ def photoreal_scene(
 
 
 # ---- Parts ---------------------------------------------------------------------------------------------
+
+
+def _check_apart(setup: Setup, target: np.ndarray, reach: float, height: float) -> None:
+    """Check that the camera is above the ground, and no light where stones are or come in a turn."""
+    camera = target + setup.camera.distance * towards(setup.camera.elevation, setup.camera.azimuth)
+    if setup.ground.type in ("plane", "sweep") and camera[2] <= 0:
+        raise InputError(
+            "must be such that the camera is above the ground",
+            key="camera.elevation",
+            value=setup.camera.elevation,
+        )
+    for number, light in enumerate(setup.lights, start=1):
+        middle = target + light.distance * towards(light.elevation, light.azimuth)
+        half = 0.5 * float(np.hypot(*light.size))
+        # Of the cylinder that the stones take up, and the ball that the light does
+        beside = max(float(np.hypot(middle[0], middle[1])) - reach, 0.0)
+        above = max(float(middle[2]) - height, -float(middle[2]), 0.0)
+        if np.hypot(beside, above) <= half and light.shape != "ring":
+            raise InputError(
+                f"too near: the stones reach {reach:.3g} girdle radii from the middle",
+                key=f"light {number}.distance",
+                value=light.distance,
+            )
 
 
 def _surface(gem: Gem, first_mm: float, dispersion: bool, stock: bool) -> dict[str, Any]:
@@ -326,6 +353,18 @@ def _emission(radiance: float, spectrum: str | float, setup: Setup, stock: bool)
 
 def _reflectance(value: float, stock: bool) -> dict[str, Any]:
     return {"type": "rgb", "value": value} if stock else {"type": "uniform", "value": value}
+
+
+def _cup(placed: Placed, paper: dict[str, Any]) -> dict[str, Any]:
+    """Return an upright tube about a stone's pavilion, up to the girdle's lower edge."""
+    edge = placed.shift  # z = 0 of the stone's frame
+    return {
+        "type": "cylinder",
+        "p0": [float(edge[0]), float(edge[1]), float(placed.points()[:, 2].min())],
+        "p1": edge.tolist(),
+        "radius": 1.0005 * placed.scale,
+        "bsdf": {"type": "twosided", "bsdf": paper},
+    }
 
 
 def _scaled(factor: float) -> Any:

@@ -23,6 +23,7 @@ from gemrender.reading import (
 
 __all__ = [
     "CAMERAS",
+    "EXPOSURES",
     "GROUNDS",
     "LIGHTS",
     "POSES",
@@ -38,7 +39,8 @@ __all__ = [
 CAMERAS = ("perspective", "thin-lens", "orthographic")
 LIGHTS = ("rectangle", "disc", "ring", "sphere")
 SKIES = ("uniform", "hemisphere")
-GROUNDS = ("none", "plane", "sweep")
+GROUNDS = ("none", "plane", "sweep", "cup")
+EXPOSURES = ("stones", "ground")
 POSES = ("table-up", "lying", "table-down")
 
 
@@ -166,8 +168,10 @@ class Ground:
 
     Attributes
     ----------
-    type : {"none", "plane", "sweep"}
-        A sweep is a plane that curves up to a wall behind the stones, as photographers' paper does.
+    type : {"none", "plane", "sweep", "cup"}
+        A sweep is a plane that curves up to a wall behind the stones, as photographers' paper does. A cup
+        holds each stone up to its girdle: where it is black, light that comes in through the pavilion counts
+        nothing, as in Inoue's paper.
     reflectance : float
         Diffuse reflectance: 0.01 is velvet, 0.85 white paper.
     distance : float
@@ -200,6 +204,8 @@ class Setup:
         Between stones that stand side by side [girdle radius].
     white : str or float
         The light that is white in the picture, as a light's spectrum.
+    expose_for : {"stones", "ground"}
+        What the automatic exposure goes by: the stones, or the ground, as one exposes for white paper.
     exposure : float
         Correction of the automatic exposure [stops].
     camera, lights, sky, ground
@@ -214,6 +220,7 @@ class Setup:
     facing: float = 0.0
     gap: float = 0.4
     white: str | float = "d65"
+    expose_for: str = "stones"
     exposure: float = 0.0
     camera: Camera = field(default_factory=Camera)
     lights: tuple[Light, ...] = ()
@@ -223,6 +230,9 @@ class Setup:
 
     def __post_init__(self) -> None:
         _one_of(self, "pose", POSES)
+        _one_of(self, "expose_for", EXPOSURES)
+        if self.ground.type == "cup" and self.pose != "table-up":
+            raise InputError("must be table-up in a cup", key="pose", value=self.pose)
         _within(self, "facing", -360, 360)
         _within(self, "gap", 0.01, 100)
         _within(self, "exposure", -20, 20)
@@ -255,7 +265,9 @@ def load_setup(setup: str | os.PathLike[str]) -> Setup:
         keys = [f.name for f in fields(Setup) if f.name not in ("source", "lights")]
         refuse_unknown(top, [*keys, "light"])
         values: dict[str, Any] = {
-            key: top[key] for key in ("pose", "facing", "gap", "white", "exposure") if key in top
+            key: top[key]
+            for key in ("pose", "facing", "gap", "white", "expose_for", "exposure")
+            if key in top
         }
         values["name"] = text_line(top, "name", stem(path, "set-up"), 100)
         values["about"] = text_line(top, "about", "", 1000, empty=True)

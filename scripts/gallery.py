@@ -1,0 +1,166 @@
+"""Render the gallery of the README: each picture by its name, or all of them.
+
+    python scripts/gallery.py                                  # all, into docs/gallery: about 30 minutes
+    python scripts/gallery.py ruby sapphire --out /tmp/gallery --size 320 --samples 32
+    python scripts/gallery.py turntable                        # the film, and a small moving picture of it
+
+Pictures are denoised where mitsuba-oidn is installed (pip install 'gemrender[denoise]'), unless --raw; the
+film needs pip install 'gemrender[video]'.
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+from dataclasses import dataclass
+from pathlib import Path
+
+from PIL import Image
+
+from gemrender.errors import BackendError
+from gemrender.render.finish import denoised, developed, exposure_of
+from gemrender.render.frames import render_film
+from gemrender.render.photoreal import make_gems, render, require_denoiser
+from gemrender.scene.setup import Setup, load_setup
+from gemrender.stone import load_stone
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shot:
+    """A picture of the gallery.
+
+    Attributes
+    ----------
+    setup : str
+        Set-up.
+    stones : tuple of str
+        Stones, from left to right.
+    material : str
+        Material of all.
+    dispersion : bool
+        Whether the index depends on the wavelength.
+    curve : str
+        Tone curve.
+    aspect : float
+        Width by height.
+    """
+
+    setup: str
+    stones: tuple[str, ...] = ("inoue-3",)
+    material: str = "diamond"
+    dispersion: bool = True
+    curve: str = "filmic"
+    aspect: float = 1.0
+
+
+SHOTS = {
+    "face-up-hemisphere": Shot(setup="hemisphere", curve="linear"),
+    "face-up-loupe": Shot(setup="loupe"),
+    "face-up-fire": Shot(setup="fire"),
+    "studio": Shot(setup="studio"),
+    "window": Shot(setup="window"),
+    "velvet": Shot(setup="velvet"),
+    "samples-1-and-3": Shot(setup="hemisphere", stones=("inoue-1", "inoue-3"), curve="linear", aspect=2.0),
+    "ruby": Shot(setup="white", material="ruby"),
+    "sapphire": Shot(setup="white", material="blue sapphire"),
+    "cubic-zirconia": Shot(setup="studio", material="cubic zirconia"),
+    "moissanite": Shot(setup="studio", material="moissanite"),
+    "without-dispersion": Shot(setup="fire", dispersion=False),
+}
+#: Frames of the turntable, and how many a second shows.
+FRAMES, FPS = 90, 24.0
+
+
+def main() -> None:
+    """Render what is asked for."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("names", nargs="*", help=f"of {', '.join(SHOTS)}, turntable; by default all")
+    parser.add_argument("--out", type=Path, default=Path("docs/gallery"), help="folder to write to")
+    parser.add_argument("--size", type=int, default=720, help="pixels a side")
+    parser.add_argument("--samples", type=int, default=128, help="samples a pixel")
+    parser.add_argument("--seed", type=int, default=0, help="seed")
+    parser.add_argument("--raw", action="store_true", help="do not denoise")
+    arguments = parser.parse_args()
+    names = arguments.names or [*SHOTS, "turntable"]
+    if unknown := [name for name in names if name not in SHOTS and name != "turntable"]:
+        parser.error(f"unknown picture {unknown[0]}; must be one of {', '.join(SHOTS)}, turntable")
+    denoise = not arguments.raw and _can_denoise()
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    for name in names:
+        if name == "turntable":
+            turntable(arguments.out, arguments.size // 2, arguments.samples // 4, arguments.seed, denoise)
+        else:
+            still(
+                name, SHOTS[name], arguments.out, arguments.size, arguments.samples, arguments.seed, denoise
+            )
+
+
+def still(name: str, shot: Shot, out: Path, size: int, samples: int, seed: int, denoise: bool) -> None:
+    """Render a picture, and write it as JPEG."""
+    gems = make_gems([load_stone(stone) for stone in shot.stones], material=shot.material, carat=1.0)
+    setup = load_setup(shot.setup)
+    height = round(size / shot.aspect)
+    picture = render(
+        gems, setup, width=size, height=height, spp=samples, seed=seed, dispersion=shot.dispersion
+    )
+    said = f"{name}: {picture.samples} samples a pixel, noise {picture.noise:.3f}, {picture.seconds:.0f} s"
+    if denoise:
+        picture = denoised(picture)
+    exposure = exposure_of(picture, setup)
+    rgb = developed(picture, setup, exposure=exposure, curve=shot.curve)
+    Image.fromarray(rgb).save(out / f"{name}.jpg", quality=93, subsampling=0)
+    print(said, flush=True)
+
+
+def turntable(out: Path, size: int, samples: int, seed: int, denoise: bool) -> None:
+    """Render a turn of a stone: a film, and a small moving picture."""
+    gems = make_gems([load_stone("inoue-3")], carat=1.0)
+    film = render_film(
+        out / "turntable.mp4",
+        gems,
+        _turning(load_setup("velvet")),
+        frames=FRAMES,
+        fps=FPS,
+        ev=0.0,
+        curve="filmic",
+        denoise=denoise,
+        progress=lambda k: lambda share: None,
+        width=size - size % 2,
+        height=size - size % 2,
+        spp=samples,
+        seed=seed,
+    )
+    _moving_picture(film, out / "turntable.webp")
+    print("turntable", flush=True)
+
+
+def _turning(setup: Setup) -> Setup:
+    """Return the set-up with the stone table up, which a turn changes less than a lying one's."""
+    return dataclasses.replace(setup, pose="table-up")
+
+
+def _moving_picture(film: Path, path: Path) -> None:
+    """Write every other frame of a film as an animated WebP, half as large."""
+    import av
+
+    with av.open(str(film)) as container:
+        frames = [Image.fromarray(frame.to_ndarray(format="rgb24")) for frame in container.decode(video=0)]
+    small = [
+        frame.resize((frame.width // 2 * 2 * 2 // 3,) * 2, Image.Resampling.LANCZOS) for frame in frames[::2]
+    ]
+    small[0].save(
+        path, save_all=True, append_images=small[1:], duration=round(2000 / FPS), loop=0, quality=70
+    )
+
+
+def _can_denoise() -> bool:
+    try:
+        require_denoiser()
+    except BackendError as error:
+        print(error)
+        return False
+    return True
+
+
+if __name__ == "__main__":
+    main()
