@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import gemrender
@@ -169,7 +170,7 @@ def test_any_order_line_ends_and_byte_order_mark_do():
 
 # ---- Mistakes ------------------------------------------------------------------------------------------
 
-_TOP = "name, about, pose, facing, gap, white, exposure, camera, sky, ground, light"
+_TOP = "name, about, pose, facing, gap, white, expose_for, exposure, camera, sky, ground, light"
 _OF_CAMERA = "type, elevation, azimuth, distance, margin, aperture, focus"
 _OF_LIGHT = "shape, elevation, azimuth, distance, size, count, radiance, spectrum"
 _SIZE = "must be one or two numbers above 0 [girdle radius]"
@@ -309,7 +310,7 @@ REFUSED = {
     "sky": ('[sky]\ntype = "dome"', "sky.type = 'dome': must be one of uniform, hemisphere"),
     "sky's radiance": ("[sky]\nradiance = inf", "sky.radiance = inf: must be a number from 0 to 1e+09"),
     "sky's spectrum": (f"{SKY}spectrum = nan", f"sky.spectrum = nan: {_SPECTRUM}"),
-    "ground": (f'{GROUND}type = "floor"', "ground.type = 'floor': must be one of none, plane, sweep"),
+    "ground": (f'{GROUND}type = "floor"', "ground.type = 'floor': must be one of none, plane, sweep, cup"),
     "reflectance": (f"{GROUND}reflectance = 1.2", "ground.reflectance = 1.2: must be a number from 0 to 1"),
     "wall": (f"{GROUND}distance = 1", "ground.distance = 1: must be a number from 3 to 1000"),
     # ---- No light ----
@@ -393,3 +394,48 @@ def test_parts_made_in_python_are_checked_too():
         with pytest.raises(InputError) as caught:
             make()
         assert str(caught.value).startswith(part)
+
+
+# ---- Sense ---------------------------------------------------------------------------------------------
+
+WHOLE = 'name = "A"\n[sky]\nradiance = 1\n'
+
+
+def scene_of(path, stones=1):
+    from gemrender.render.backend import ensure_variant
+    from gemrender.render.photoreal import make_gems
+    from gemrender.scene.photoreal import photoreal_scene
+    from gemrender.stone import load_stone
+
+    ensure_variant("llvm_ad_spectral")
+    gems = make_gems([load_stone("inoue-3")] * stones)
+    return photoreal_scene(gems, load_setup(path), width=16, height=16)
+
+
+def test_a_cup_holds_stones_table_up_only(tmp_path):
+    path = tmp_path / "a.toml"
+    path.write_text('pose = "lying"\n' + WHOLE + '[ground]\ntype = "cup"\n')
+    with pytest.raises(InputError, match=r"pose = 'lying': must be table-up in a cup$"):
+        load_setup(path)
+
+
+def test_a_camera_under_the_ground_is_refused(tmp_path):
+    path = tmp_path / "a.toml"
+    path.write_text(WHOLE + '[ground]\ntype = "plane"\n[camera]\nelevation = -20\n')
+    with pytest.raises(InputError, match=r"camera.elevation = -20: must be such that the camera is above"):
+        scene_of(path)
+
+
+def test_a_light_among_the_stones_is_refused(tmp_path):
+    path = tmp_path / "a.toml"
+    path.write_text(WHOLE + '[[light]]\nshape = "sphere"\nelevation = 0\ndistance = 4\nsize = 1\n')
+    scene_of(path)
+    with pytest.raises(InputError, match=r"light 1.distance = 4: too near: the stones reach 5"):
+        scene_of(path, stones=5)
+
+
+def test_a_sweep_bends_up_beyond_any_row_of_stones():
+    scene = scene_of("white", stones=9)
+    measures = scene.sweep[0]
+    reach = max(np.hypot(*stone.points()[:, :2].T).max() for stone in scene.stones)
+    assert measures["wall"] - measures["bend"] >= reach
