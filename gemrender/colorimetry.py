@@ -8,6 +8,7 @@ Y = 1, whatever the light's colour.
 from __future__ import annotations
 
 import re
+import warnings
 from functools import lru_cache
 from typing import Any
 
@@ -116,6 +117,15 @@ def white_xyz(name_or_kelvin: str | float) -> np.ndarray:
     return np.asarray(xyz / xyz[1])
 
 
+@lru_cache(maxsize=1)
+def _colour() -> Any:
+    """Import colour-science, which warns of what it cannot do without SciPy: nothing that is needed here."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        import colour
+    return colour
+
+
 def _wavelengths(wavelength_nm: Any) -> np.ndarray:
     wavelengths = np.asarray(wavelength_nm, dtype=np.float64)
     if not np.all(np.isfinite(wavelengths) & (wavelengths > 0)):
@@ -126,9 +136,7 @@ def _wavelengths(wavelength_nm: Any) -> np.ndarray:
 @lru_cache(maxsize=1)
 def _observer() -> tuple[np.ndarray, np.ndarray]:
     """Return wavelengths [nm] (n,) and the three bars (n, 3) of the table, 1 nm apart."""
-    import colour
-
-    table = colour.MSDS_CMFS[_OBSERVER]
+    table = _colour().MSDS_CMFS[_OBSERVER]
     rows, bars = np.array(table.wavelengths, dtype=np.float64), np.array(table.values, dtype=np.float64)
     rows.setflags(write=False)
     bars.setflags(write=False)
@@ -138,9 +146,7 @@ def _observer() -> tuple[np.ndarray, np.ndarray]:
 @lru_cache(maxsize=1)
 def _illuminants() -> dict[str, str]:
     """Return colour-science's name of each light, without ISO 7589, whose tables end at 690 nm."""
-    import colour
-
-    names = (name for name in colour.SDS_ILLUMINANTS if not name.startswith("ISO"))
+    names = (name for name in _colour().SDS_ILLUMINANTS if not name.startswith("ISO"))
     return {re.sub(r"^fl(?=\d)", "f", name.lower()): name for name in names}
 
 
@@ -170,9 +176,7 @@ def _relative(light: str | float, wavelengths: np.ndarray) -> np.ndarray:
             return np.asarray(ratio * (560.0 / wavelengths) ** 5)
     if light == "e":
         return np.ones_like(wavelengths)
-    import colour
-
-    table = colour.SDS_ILLUMINANTS[_illuminants()[light]]
+    table = _colour().SDS_ILLUMINANTS[_illuminants()[light]]
     return np.asarray(np.interp(wavelengths, table.wavelengths, table.values, left=0, right=0))
 
 
@@ -201,12 +205,12 @@ def adaptation_matrix(white: Any) -> np.ndarray:
     InputError
         A white that no light has.
     """
-    from colour.adaptation import matrix_chromatic_adaptation_VonKries
+    adaptation = _colour().adaptation
 
     xyz = np.asarray(white, dtype=np.float64)
     if xyz.shape != (3,) or not np.all(np.isfinite(xyz)) or not xyz[0] > 0 < xyz[1] or xyz[2] < 0:
         raise InputError("must be X, Y, Z of a light, X and Y above 0", key="white", value=white)
-    matrix = matrix_chromatic_adaptation_VonKries(xyz / xyz[1], _srgb()[0], transform=ADAPTATION)
+    matrix = adaptation.matrix_chromatic_adaptation_VonKries(xyz / xyz[1], _srgb()[0], transform=ADAPTATION)
     return np.asarray(matrix, dtype=np.float64)
 
 
@@ -279,12 +283,12 @@ def _transformed(xyz: Any, matrix: np.ndarray) -> np.ndarray:
 @lru_cache(maxsize=1)
 def _srgb() -> tuple[np.ndarray, np.ndarray]:
     """Return sRGB's white XYZ (3,), Y = 1, and its matrix (3, 3) from linear sRGB to XYZ."""
-    import colour
-
-    space = colour.RGB_COLOURSPACES["sRGB"]
+    space = _colour().RGB_COLOURSPACES["sRGB"]
     x, y = (float(value) for value in space.whitepoint)
     white = np.array([x / y, 1.0, (1 - x - y) / y])
-    matrix = np.array(colour.normalised_primary_matrix(space.primaries, space.whitepoint), dtype=np.float64)
+    matrix = np.array(
+        _colour().normalised_primary_matrix(space.primaries, space.whitepoint), dtype=np.float64
+    )
     white.setflags(write=False)
     matrix.setflags(write=False)
     return white, matrix

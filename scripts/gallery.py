@@ -68,7 +68,7 @@ SHOTS = {
     "without-dispersion": Shot(setup="fire", dispersion=False),
 }
 #: Frames of the turntable, and how many a second shows.
-FRAMES, FPS = 90, 24.0
+FRAMES, FPS = 72, 24.0
 
 
 def main() -> None:

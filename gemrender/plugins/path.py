@@ -184,6 +184,7 @@ class PathIntegrator(mi.SamplingIntegrator):
             side_d = mi.Vector3f(d + 2 * cos_air * n)
             side_β = mi.Spectrum(β * reflected)
             side_parted = mi.Bool(parted)
+            side_counts = mi.Float(1)  # what it counts where one branch is drawn
             side_depth = depth + 1
 
             # One wavelength after the other where they part here; one way for all where they do not.
@@ -211,11 +212,11 @@ class PathIntegrator(mi.SamplingIntegrator):
                 branch = mi.Ray3f(side_o, side_d, ray.time, ray.wavelengths)
                 found, Le = stones.outside(branch, side)
                 L += dr.select(side, side_β * Le, 0)
-                share = dr.select(found, stones.mean(side_β), 0)
+                share = dr.select(found, side_counts * stones.mean(side_β), 0)
                 drawn_weight += share
-                take = found & (chance.next_float32() * drawn_weight < share)
+                take = (share > 0) & (chance.next_float32() * drawn_weight < share)
                 drawn_o, drawn_d = dr.select(take, side_o, drawn_o), dr.select(take, side_d, drawn_d)
-                drawn_β = dr.select(take, side_β, drawn_β)
+                drawn_β = dr.select(take, side_counts * side_β, drawn_β)
                 drawn_parted = dr.select(take, side_parted, drawn_parted)
                 drawn_depth = dr.select(take, side_depth, drawn_depth)
 
@@ -234,6 +235,8 @@ class PathIntegrator(mi.SamplingIntegrator):
                 side_d = dr.normalize(n_in * (d - cos_i * n) + cos_t * n)
                 side_β = β_in * (1 - back)
                 side_parted = mi.Bool(in_parted)
+                # Of many ways the first stands for all: samples spread its wavelength evenly.
+                side_counts = dr.select(part, dr.select(channel == 0, mi.Float(stones.n_ways), 0), 1)
                 side_depth = in_depth + 1
                 β_in *= back
                 d = d - 2 * cos_i * n

@@ -1,0 +1,112 @@
+"""Passes of a picture: how samples are counted, what the noise says, what the spectrum says."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from gemrender.colorimetry import colour_matching, y_integral_nm
+from gemrender.errors import InputError
+from gemrender.render.backend import ensure_variant
+from gemrender.render.passes import Passes, _stratified, check_range
+from gemrender.render.photoreal import make_gems
+from gemrender.scene.photoreal import photoreal_scene
+from gemrender.scene.setup import load_setup
+from gemrender.stone import load_stone
+
+#: The stated noise is one draw of a scatter over a thousand pixels, with tails.
+NOISE_STATED = 0.25
+#: Bins of 10 nm against the matching functions within them: their curvature.
+BINNED = 0.01
+
+
+def scene_of(setup="window", size=32):
+    import mitsuba as mi
+
+    gems = make_gems([load_stone("inoue-3")])
+    return mi.load_dict(photoreal_scene(gems, load_setup(setup), width=size, height=size).to_dict())
+
+
+@pytest.fixture(scope="module")
+def scene():
+    ensure_variant("llvm_ad_spectral")
+    return scene_of()
+
+
+@pytest.mark.parametrize("spp", [1, 2, 3, 7, 13])
+def test_all_samples_are_counted(scene, spp):
+    passes = Passes(scene)
+    passes.add(spp)
+    assert passes.samples == spp
+
+
+def test_samples_fill_mitsubas_strata():
+    """Its multijittered sampler rounds other numbers up, and pixels would get each other's samples."""
+    import mitsuba as mi
+
+    ensure_variant("llvm_ad_spectral")
+    sampler = mi.load_dict({"type": "multijitter"})
+    for spp in range(1, 300):
+        fitting = _stratified(spp)
+        assert 1 <= fitting <= spp
+        sampler.set_sample_count(fitting)
+        assert sampler.sample_count() == fitting
+
+
+def test_the_noise_is_that_of_the_picture(scene):
+    pictures, stated = [], []
+    for seed in range(6):
+        passes = Passes(scene, seed=seed)
+        for _ in range(4):
+            passes.add(16)
+        pictures.append(passes.xyz[..., 1].astype(float))
+        stated.append(passes.noise())
+    scatter = np.sqrt(np.var(pictures, axis=0, ddof=1).mean()) / np.mean(pictures)
+    assert np.sqrt(np.mean(np.square(stated))) == pytest.approx(scatter, rel=NOISE_STATED)
+
+
+def test_before_two_passes_nothing_is_said_of_noise(scene):
+    passes = Passes(scene)
+    passes.add(4)
+    assert passes.noise() == float("inf")
+
+
+def test_the_same_seed_gives_the_same_picture(scene):
+    pictures = []
+    for seed in (5, 5, 6):
+        passes = Passes(scene, seed=seed)
+        passes.add(4)
+        pictures.append(passes.xyz)
+    np.testing.assert_array_equal(pictures[0], pictures[1])
+    assert np.abs(pictures[0] - pictures[2]).max() > 0
+
+
+def test_the_spectrum_has_the_pictures_colour(scene):
+    edges = np.linspace(380, 760, 39)
+    passes = Passes(scene, bins_nm=edges)
+    passes.add(64)
+    middles = 0.5 * (edges[1:] + edges[:-1])
+    spectrum = passes.spectrum.reshape(-1, 38).mean(axis=0, dtype=np.float64)
+    from_bins = 10 * spectrum @ colour_matching(middles) / y_integral_nm()
+    np.testing.assert_allclose(from_bins, passes.xyz.reshape(-1, 3).mean(axis=0), rtol=BINNED)
+
+
+def test_an_interruption_leaves_the_sums(scene, monkeypatch):
+    passes = Passes(scene)
+    passes.add(4)
+    before = passes.xyz
+
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(passes, "_tile", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        passes.add(4)
+    assert passes.samples == 4
+    np.testing.assert_array_equal(passes.xyz, before)
+
+
+@pytest.mark.parametrize("bad", [(300, 500), (400, 800), (500, 400), (500, 500)])
+def test_other_wavelengths_than_visible_ones_are_refused(bad):
+    with pytest.raises(InputError, match="must be two increasing wavelengths from 380 to 760"):
+        check_range(*bad)
