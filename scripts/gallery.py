@@ -11,7 +11,6 @@ film needs pip install 'gemrender[video]'.
 from __future__ import annotations
 
 import argparse
-import dataclasses
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,7 +20,7 @@ from gemrender.errors import BackendError
 from gemrender.render.finish import denoised, developed, exposure_of
 from gemrender.render.frames import render_film
 from gemrender.render.photoreal import make_gems, render, require_denoiser
-from gemrender.scene.setup import Setup, load_setup
+from gemrender.scene.setup import load_setup
 from gemrender.stone import load_stone
 
 
@@ -118,7 +117,7 @@ def turntable(out: Path, size: int, samples: int, seed: int, denoise: bool) -> N
     film = render_film(
         out / "turntable.mp4",
         gems,
-        _turning(load_setup("velvet")),
+        load_setup("velvet"),
         frames=FRAMES,
         fps=FPS,
         ev=0.0,
@@ -132,11 +131,6 @@ def turntable(out: Path, size: int, samples: int, seed: int, denoise: bool) -> N
     )
     _moving_picture(film, out / "turntable.webp")
     print("turntable", flush=True)
-
-
-def _turning(setup: Setup) -> Setup:
-    """Return the set-up with the stone table up, which a turn changes less than a lying one's."""
-    return dataclasses.replace(setup, pose="table-up")
 
 
 def _moving_picture(film: Path, path: Path) -> None:

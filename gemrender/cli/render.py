@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from math import isfinite
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
+from gemrender.cli.gems import SIZE, Carat, Diameter, Material, Size, load_gems, picture_size
 from gemrender.cli.options import Stones, number, whole
 from gemrender.cli.output import progress_bar, say
 from gemrender.errors import InputError
 
-__all__ = ["picture_size", "render"]
+__all__ = ["render"]
 
 _FILM = ".mp4"
 
@@ -24,7 +26,7 @@ def render(
     setup: Annotated[
         str, typer.Option(metavar="NAME", help="Set-up: a bundled one (see: gemrender setups) or a file.")
     ] = "studio",
-    size: Annotated[str, typer.Option(metavar="PIXELS|WxH", help="Size of the picture.")] = "1024",
+    size: Size = SIZE,
     spp: Annotated[
         str | None,
         typer.Option(
@@ -39,16 +41,9 @@ def render(
     time: Annotated[
         str | None, typer.Option(metavar="SECONDS", help="End after this time (each frame of a film).")
     ] = None,
-    material: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME", help="Material of all stones (see: gemrender materials), or a material file."
-        ),
-    ] = None,
-    carat: Annotated[str | None, typer.Option(metavar="CARAT", help="Weight of each stone.")] = None,
-    diameter: Annotated[
-        str | None, typer.Option(metavar="MM", help="Girdle diameter of each stone; by default 6.5.")
-    ] = None,
+    material: Material = None,
+    carat: Carat = None,
+    diameter: Diameter = None,
     dispersion: Annotated[bool, typer.Option(help="Whether the index depends on the wavelength.")] = True,
     denoise: Annotated[
         bool, typer.Option("--denoise", help="Denoise the picture (pip install 'gemrender[denoise]').")
@@ -81,10 +76,9 @@ def render(
     from gemrender.render.develop import CURVES, EV_LIMIT
     from gemrender.render.finish import STILL_SUFFIXES
     from gemrender.render.frames import check_film
-    from gemrender.render.photoreal import make_gems, require_denoiser
+    from gemrender.render.photoreal import require_denoiser
     from gemrender.report.files import prepare_folder
     from gemrender.scene.setup import load_setup
-    from gemrender.stone import load_stone
 
     path = Path(out)
     suffix = path.suffix.lower()
@@ -108,12 +102,7 @@ def render(
     }
     if all(value is None for value in ends.values()):
         ends["spp"] = 256
-    gems = make_gems(
-        [load_stone(name) for name in stones],
-        material=material,
-        carat=None if carat is None else number("carat", carat, "carats"),
-        diameter_mm=None if diameter is None else number("diameter", diameter, "millimetres"),
-    )
+    gems = load_gems(stones, material, carat, diameter)
     around = load_setup(setup)
     options = {
         "width": width,
@@ -155,8 +144,9 @@ def _still(path: Path, gems: Any, setup: Any, ev: float, curve: str, denoise: bo
         "Description": f"set-up {setup.name}, {picture.samples} samples a pixel",
     }
     write_picture(path, picture, setup, exposure=exposure, curve=curve, about=about)
+    noise = f"noise {picture.noise:.2g}" if isfinite(picture.noise) else "noise not known of one pass"
     say(
-        f"written: {path} ({picture.samples} samples a pixel, noise {picture.noise:.2g}, "
+        f"written: {path} ({picture.samples} samples a pixel, {noise}, "
         f"{picture.seconds:.1f} s, exposure {exposure:.3g})"
     )
     if picture.stopped == "interrupted":
@@ -181,24 +171,6 @@ def _film(path: Path, gems: Any, setup: Any, *, frames: int, **options: Any) -> 
             say(f"interrupted: the frames so far are in {path}.frames; the same command goes on from there")
             raise
     say(f"written: {path}")
-
-
-def picture_size(text: str) -> tuple[int, int]:
-    """Read the size of a picture: its side, or width and height [pixels]."""
-    from gemrender.scene.photoreal import MOST_PIXELS
-
-    parts = text.lower().split("x")
-    try:
-        sides = [int(part) for part in parts]
-    except ValueError:
-        sides = []
-    if len(sides) not in (1, 2) or not all(1 <= side <= MOST_PIXELS for side in sides):
-        raise InputError(
-            f"must be a number of pixels or two, as 1024 or 1600x900, from 1 to {MOST_PIXELS}",
-            key="size",
-            value=text,
-        )
-    return sides[0], sides[-1]
 
 
 def _bins(bins: str | None, range_: str, suffix: str) -> list[float] | None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from gemrender.cli.gems import SIZE, Carat, Diameter, Material, Size, load_gems, picture_size
 from gemrender.cli.options import (
     RESOLUTION,
     Fresnel,
@@ -19,13 +20,11 @@ from gemrender.cli.options import (
     TiltAzimuth,
     Variant,
     load,
-    number,
     trace_options,
     view_and_model,
     whole,
 )
 from gemrender.cli.output import say
-from gemrender.cli.render import picture_size
 from gemrender.engines import DEFAULT_VARIANT
 from gemrender.errors import InputError
 
@@ -67,16 +66,10 @@ def scene(
             "--stock", help="With Mitsuba's own plugins only, for its program mitsuba: no dispersion, RGB."
         ),
     ] = False,
-    material: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Material of all stones, in a picture's scene.")
-    ] = None,
-    carat: Annotated[
-        str | None, typer.Option(metavar="CARAT", help="Weight of each stone, in a picture's scene.")
-    ] = None,
-    diameter: Annotated[
-        str | None, typer.Option(metavar="MM", help="Girdle diameter of each stone, in a picture's scene.")
-    ] = None,
-    size: Annotated[str, typer.Option(metavar="PIXELS|WxH", help="Size of the picture.")] = "1024",
+    material: Material = None,
+    carat: Carat = None,
+    diameter: Diameter = None,
+    size: Size = SIZE,
     spp: Annotated[
         str, typer.Option(metavar="NUMBER", help="Samples a pixel, where Mitsuba renders the picture.")
     ] = "64",
@@ -90,16 +83,9 @@ def scene(
         _scored(stones, out, variant, trace_options(resolution, fresnel, rear, intensity, tilt, tilt_azimuth))
         return
 
-    from gemrender.render.photoreal import make_gems
     from gemrender.scene.setup import load_setup
-    from gemrender.stone import load_stone
 
-    gems = make_gems(
-        [load_stone(name) for name in stones],
-        material=material,
-        carat=None if carat is None else number("carat", carat, "carats"),
-        diameter_mm=None if diameter is None else number("diameter", diameter, "millimetres"),
-    )
+    gems = load_gems(stones, material, carat, diameter)
     if not _is_given(context, "variant"):
         variant = "llvm_ad_rgb" if stock else "llvm_ad_spectral"
     _picture(stones, gems, load_setup(setup), out, variant, picture_size(size), whole("spp", spp), stock)
