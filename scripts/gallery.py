@@ -4,8 +4,8 @@
     python scripts/gallery.py ruby sapphire --out /tmp/gallery --size 320 --samples 32
     python scripts/gallery.py turntable                        # the film, and a small moving picture of it
 
-Pictures are denoised where mitsuba-oidn is installed (pip install 'gemrender[denoise]'), unless --raw; the
-film needs pip install 'gemrender[video]'.
+Pictures are denoised where mitsuba-oidn is installed (pip install mitsuba-oidn), unless --raw; the
+film needs pip install av.
 """
 
 from __future__ import annotations

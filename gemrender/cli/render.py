@@ -46,7 +46,7 @@ def render(
     diameter: Diameter = None,
     dispersion: Annotated[bool, typer.Option(help="Whether the index depends on the wavelength.")] = True,
     denoise: Annotated[
-        bool, typer.Option("--denoise", help="Denoise the picture (pip install 'gemrender[denoise]').")
+        bool, typer.Option("--denoise", help="Denoise the picture; needs mitsuba-oidn.")
     ] = False,
     exposure: Annotated[
         str, typer.Option(metavar="STOPS", help="Correction of the automatic exposure.")

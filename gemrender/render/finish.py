@@ -19,6 +19,8 @@ from gemrender.scene.setup import Setup
 
 __all__ = ["STILL_SUFFIXES", "denoised", "developed", "exposure_of", "write_picture"]
 
+#: Memory that the denoiser may take [MB].
+DENOISER_MB = 1024
 #: Luminance that the ground gets, where it is exposed for.
 PAPER = 0.8
 #: How the names of still pictures end.
@@ -34,19 +36,23 @@ def denoised(picture: Picture) -> Picture:
         The denoiser is not installed.
     """
     oidn = require_denoiser()
-    rgb = np.ascontiguousarray(xyz_to_linear_srgb(picture.xyz), dtype=np.float32)
-    # It takes values of 0 and above only: those outside the gamut go through it as their sign's own picture.
-    parts = [
-        oidn.denoise(
-            np.ascontiguousarray(np.maximum(sign * rgb, 0)),
-            albedo=np.ascontiguousarray(np.clip(picture.albedo, 0, 1)),
-            normal=np.ascontiguousarray(picture.normal),
-            hdr=True,
-        )
-        for sign in (1.0, -1.0)
-    ]
+    rgb = xyz_to_linear_srgb(picture.xyz)
+    albedo = np.ascontiguousarray(np.clip(picture.albedo, 0, 1))
+    normal = np.ascontiguousarray(picture.normal)
+    device, out = oidn.Device(oidn.DeviceType.CPU), np.zeros_like(rgb)
+    # It takes values of 0 and above only: those outside the gamut go through it as a picture of their own.
+    for sign in (1.0, -1.0):
+        part = np.ascontiguousarray(np.maximum(sign * rgb, 0), dtype=np.float32)
+        result = np.empty_like(part)
+        denoise = device.new_filter("RT")
+        for name, image in (("color", part), ("albedo", albedo), ("normal", normal), ("output", result)):
+            denoise.set_image(name, image)
+        denoise.hdr = True
+        denoise.max_memory_mb = DENOISER_MB  # it works in tiles, then
+        denoise.execute()
+        out += sign * result
     back = np.linalg.inv(matrix_to_linear_srgb()).T.astype(np.float32)
-    return replace(picture, xyz=np.asarray(parts[0] - parts[1]) @ back)
+    return replace(picture, xyz=out @ back)
 
 
 def exposure_of(picture: Picture, setup: Setup, *, ev: float = 0.0) -> float:

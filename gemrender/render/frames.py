@@ -42,9 +42,7 @@ def check_film(path: Path, width: int, height: int, frames: int, fps: float) -> 
     try:
         import av
     except ImportError as error:
-        raise BackendError(
-            f"films cannot be written ({error}); to cure it: pip install 'gemrender[video]'"
-        ) from error
+        raise BackendError(f"films cannot be written ({error}); to cure it: pip install av") from error
     return av
 
 

@@ -126,7 +126,7 @@ def require_denoiser() -> Any:
         import mitsuba_oidn
     except ImportError as error:
         raise BackendError(
-            f"the denoiser cannot be imported ({error}); to cure it: pip install 'gemrender[denoise]'"
+            f"the denoiser cannot be imported ({error}); to cure it: pip install mitsuba-oidn"
         ) from error
     return mitsuba_oidn
 
