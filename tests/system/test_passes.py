@@ -110,3 +110,35 @@ def test_an_interruption_leaves_the_sums(scene, monkeypatch):
 def test_other_wavelengths_than_visible_ones_are_refused(bad):
     with pytest.raises(InputError, match="must be two increasing wavelengths from 380 to 760"):
         check_range(*bad)
+
+
+def own_scene(camera, *shifts):
+    """A scene of one's own, with stones where one likes."""
+    import mitsuba as mi
+
+    from gemrender.scene.mesh import placed_mesh
+    from gemrender.scene.placing import Placed
+    from gemrender.stone import tessellate
+
+    ensure_variant("llvm_ad_spectral")
+    mesh = tessellate(load_stone("inoue-3"))
+    stones = {}
+    for k, shift in enumerate(shifts):
+        at = Placed(name="a", mesh=mesh, rotation=np.eye(3), scale=1.0, shift=np.array(shift, dtype=float))
+        stones[f"stone_{k}"] = placed_mesh(at, {"type": "gem_dielectric"}, f"stone_{k}")
+    to_world = mi.ScalarTransform4f().look_at(camera, [0, 0, -0.3], [0, 1, 0])
+    film = {"type": "hdrfilm", "width": 4, "height": 4}
+    sensor = {"type": "perspective", "to_world": to_world, "film": film}
+    return mi.load_dict({"type": "scene", "integrator": {"type": "gem_path"}, "sensor": sensor, **stones})
+
+
+def test_a_camera_inside_a_stone_is_refused():
+    Passes(own_scene([0, 0.1, 5], (0, 0, 0)))
+    with pytest.raises(InputError, match=r"^camera = 'inside stone_0': must be outside all stones$"):
+        Passes(own_scene([0, 0.1, 0.1], (0, 0, 0)))
+
+
+def test_a_stone_in_a_stone_is_refused():
+    Passes(own_scene([0, 0.1, 5], (0, 0, 0), (2.0, 0, 0)))  # they touch
+    with pytest.raises(InputError, match=r"^stones = 'stone_\d in stone_\d': must not overlap$"):
+        Passes(own_scene([0, 0.1, 5], (0, 0, 0), (1.9, 0, 0)))
