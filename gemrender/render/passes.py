@@ -107,8 +107,9 @@ class Passes:
         nm : float
             Wavelength [nm].
         spp : int
-            Samples a pixel, at least 2.
+            Samples a pixel, at least 2; as many of them as fill a grid of strata (a square always does).
         """
+        spp = _stratified(spp)
         pixels = self.width * self.height
         out = np.empty((2, pixels))
         for first in range(0, pixels, _TILE_PIXELS):

@@ -65,6 +65,12 @@ def test_the_noise_is_that_of_the_picture(scene):
     assert np.sqrt(np.mean(np.square(stated))) == pytest.approx(scatter, rel=NOISE_STATED)
 
 
+def test_radiance_at_a_wavelength_takes_any_number_of_samples(scene):
+    radiance, error = Passes(scene).radiance_at(550.0, 7)
+    assert radiance.shape == error.shape == (32, 32)
+    assert np.isfinite(radiance).all()
+
+
 def test_before_two_passes_nothing_is_said_of_noise(scene):
     passes = Passes(scene)
     passes.add(4)
