@@ -480,7 +480,7 @@ def _serve(pipe: Connection, view: View, name: str, kind: str) -> None:
                 pipe.send(contestant.render(samples, seed))
     except EOFError:
         os._exit(0)  # LuxCore may crash where Python takes it down
-    except (ContestantError, GemrenderError, NotImplementedError) as error:
+    except (ContestantError, GemrenderError) as error:
         pipe.send(ContestantError(str(error)))
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Annotated, Any
@@ -12,6 +11,7 @@ import typer
 from gemrender.cli.output import patience, progress_bar
 from gemrender.engines import DEFAULT_BOUND, DEFAULT_RESOLUTION, ENGINES
 from gemrender.errors import InputError
+from gemrender.reading import did_you_mean
 
 if TYPE_CHECKING:
     from gemrender.observation import Model, View
@@ -151,5 +151,4 @@ def view_and_model(stone: Stone, options: dict[str, Any]) -> tuple[View, Model]:
 def listed(word: str, allowed: Iterable[str]) -> str:
     """List what is allowed, with a guess at what was meant."""
     names = list(allowed)
-    close = difflib.get_close_matches(word, names, n=1)
-    return ", ".join(names) + (f"; did you mean {close[0]}?" if close else "")
+    return ", ".join(names) + did_you_mean(word, names)

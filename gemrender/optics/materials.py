@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache, partial
@@ -13,6 +12,7 @@ from gemrender.optics.dispersion import Formula
 from gemrender.optics.fresnel import GUBELIN_INDEX
 from gemrender.optics.material import INDEX_RANGE, SODIUM_NM, VISIBLE_NM, Material, constant_index
 from gemrender.optics.tabulated import Table
+from gemrender.reading import did_you_mean
 
 __all__ = ["INDEX_RANGE", "find_material", "material_names", "normal_name", "refractive_index"]
 
@@ -203,6 +203,5 @@ def _listed(word: str, hint: str) -> str:
     """List the names, the diamond grades as one, with a guess at what was meant."""
     grades = [f"diamond {grade}" for grade in absorption.DIAMOND_GRADES]
     names = [name for name in material_names() if name not in grades]
-    close = difflib.get_close_matches(word, names, n=1)
     shown = sorted([*names, f"{grades[0]} to {grades[-1]}"])
-    return f"one of {', '.join(shown)}{hint}" + (f"; did you mean {close[0]}?" if close else "")
+    return f"one of {', '.join(shown)}{hint}{did_you_mean(word, names)}"

@@ -12,7 +12,7 @@ import numpy as np
 
 from gemrender.errors import BackendError, InputError
 from gemrender.render.finish import denoised, developed, exposure_of
-from gemrender.render.photoreal import Picture, render
+from gemrender.render.photoreal import render
 from gemrender.render.picture_files import write_png
 from gemrender.scene.photoreal import Gem
 from gemrender.scene.setup import Setup
@@ -101,7 +101,7 @@ def render_film(
         if denoise:
             picture = denoised(picture)
         if "exposure" not in settings:
-            settings["exposure"] = _exposure(picture, setup, ev)
+            settings["exposure"] = exposure_of(picture, setup, ev=ev)
             _write_settings(folder, settings)
         write_png(file, developed(picture, setup, exposure=settings["exposure"], curve=curve))
     write_whole(path.parent, {path.name: lambda made: _encode(av, made, files, fps)})
@@ -109,10 +109,6 @@ def render_film(
         file.unlink()
     folder.rmdir()
     return path
-
-
-def _exposure(picture: Picture, setup: Setup, ev: float) -> float:
-    return exposure_of(picture, setup, ev=ev)
 
 
 def _fingerprint(*of: Any) -> str:
