@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from gemrender.errors import BackendError, InputError
+from gemrender.errors import InputError
+from gemrender.render.film_files import check_film, encode_film
 from gemrender.render.finish import denoised, developed, exposure_of
 from gemrender.render.photoreal import render
 from gemrender.render.picture_files import write_png
@@ -21,29 +22,6 @@ from gemrender.writing import write_whole
 __all__ = ["check_film", "render_film"]
 
 _SETTINGS = "settings.json"
-
-
-def check_film(path: Path, width: int, height: int, frames: int, fps: float) -> Any:
-    """Check what a film is asked to be; return the library that writes it.
-
-    Raises
-    ------
-    InputError
-        A size, a number of frames or a rate that no film has.
-    BackendError
-        The library is not installed.
-    """
-    if not 2 <= frames <= 100_000:
-        raise InputError("must be from 2 to 100000", key="frames", value=frames)
-    if not 1 <= fps <= 240:
-        raise InputError("must be from 1 to 240 [frames a second]", key="fps", value=fps)
-    if width % 2 or height % 2:
-        raise InputError("must be even for a film", key="size", value=f"{width}x{height}")
-    try:
-        import av
-    except ImportError as error:
-        raise BackendError(f"films cannot be written ({error}); to cure it: pip install av") from error
-    return av
 
 
 def render_film(
@@ -67,7 +45,7 @@ def render_film(
     Parameters
     ----------
     path : Path
-        The film, ending in .mp4.
+        The film, ending as in `FILM_SUFFIXES`.
     gems, setup : sequence of Gem, Setup
         What it shows.
     frames, fps : int, float
@@ -86,7 +64,7 @@ def render_film(
     KeyboardInterrupt
         Interrupted; the frames that are done are kept.
     """
-    av = check_film(path, options["width"], options["height"], frames, fps)
+    check_film(path, options["width"], options["height"], frames, fps)
     folder = path.with_name(f"{path.name}.frames")
     settings = _prepare(folder, _fingerprint(gems, setup, frames, ev, curve, denoise, options))
     files = [folder / f"{k:05d}.png" for k in range(frames)]
@@ -104,7 +82,9 @@ def render_film(
             settings["exposure"] = exposure_of(picture, setup, ev=ev)
             _write_settings(folder, settings)
         write_png(file, developed(picture, setup, exposure=settings["exposure"], curve=curve))
-    write_whole(path.parent, {path.name: lambda made: _encode(av, made, files, fps)})
+    about = {"title": ", ".join(f"{gem.stone.name} ({gem.material.name})" for gem in gems)}
+    about["description"] = f"set-up {setup.name}, one turn in {frames} frames"
+    write_whole(path.parent, {path.name: lambda made: encode_film(made, files, fps, **about)})
     for file in (*files, folder / _SETTINGS):
         file.unlink()
     folder.rmdir()
@@ -143,23 +123,3 @@ def _prepare(folder: Path, fingerprint: str) -> dict[str, Any]:
 
 def _write_settings(folder: Path, settings: dict[str, Any]) -> None:
     write_whole(folder, {_SETTINGS: lambda made: made.write_text(json.dumps(settings), encoding="utf-8")})
-
-
-def _encode(av: Any, path: Path, files: Sequence[Path], fps: float) -> None:
-    """Write frames as H.264 in MP4."""
-    from fractions import Fraction
-
-    from PIL import Image
-
-    with av.open(str(path), "w", format="mp4") as container:
-        stream = container.add_stream(
-            "libx264", rate=Fraction(fps).limit_denominator(1001), options={"crf": "16"}
-        )
-        stream.pix_fmt = "yuv420p"
-        for file in files:
-            with Image.open(file) as image:
-                frame = av.VideoFrame.from_image(image.convert("RGB"))
-            if not stream.codec_context.is_open:  # from then on PyAV refuses even the same size
-                stream.width, stream.height = frame.width, frame.height
-            container.mux(stream.encode(frame))
-        container.mux(stream.encode())

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from gemrender.colorimetry import colour_matching, y_integral_nm
 from gemrender.render.backend import ensure_variant
+from gemrender.render.frames import render_film
 from gemrender.render.passes import Passes
 from gemrender.render.photoreal import make_gems, render
 from gemrender.scene.photoreal import photoreal_scene
@@ -73,3 +75,19 @@ def test_spectral_bins_are_the_stones():
     assert cut.spectrum[cut.foreground.alpha == 0].max() == 0
     y = cut.spectrum @ colour_matching(0.5 * (edges[1:] + edges[:-1]))[:, 1] * 5 / y_integral_nm()
     assert y.mean() == pytest.approx(cut.foreground.xyz[..., 1].mean(), rel=BINNED)
+
+
+@pytest.mark.parametrize("name", ["a.gif", "a.webp"])
+def test_a_film_before_a_transparent_background(name, tmp_path):
+    gems = make_gems([load_stone("inoue-3")])
+    path = render_film(
+        tmp_path / name, gems, load_setup("white"), frames=2, fps=10.0, ev=0.0, curve="filmic", denoise=False,
+        progress=lambda _: lambda _: None, width=SIZE, height=SIZE, spp=2, transparent=True,
+    )  # fmt: skip
+    assert [file.name for file in tmp_path.iterdir()] == [name]
+    with Image.open(path) as film:
+        assert (film.n_frames, film.size) == (2, (SIZE, SIZE))
+        film.seek(1)
+        alpha = np.asarray(film.convert("RGBA"))[..., 3]
+    assert alpha[0, 0] == 0
+    assert alpha[SIZE // 2, SIZE // 2] == 255
