@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 import os
+from enum import StrEnum
 from pathlib import Path
 from typing import Literal
 
 from gemrender.errors import InputError
 
-__all__ = ["FILM_SUFFIXES", "STILL_SUFFIXES", "WEBP_MOST_PIXELS", "OutputKind", "output_kind"]
+__all__ = ["FILM_SUFFIXES", "STILL_SUFFIXES", "WEBP_MOST_PIXELS", "Background", "OutputKind", "output_kind"]
+
+
+class Background(StrEnum):
+    """What is seen beside the stones."""
+
+    SETUP = "setup"
+    TRANSPARENT = "transparent"
+
 
 OutputKind = Literal["still", "film"]
 

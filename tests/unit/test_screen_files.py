@@ -11,7 +11,7 @@ from PIL import Image
 import gemrender
 from gemrender.errors import InputError
 from gemrender.render.film_files import check_film, encode_film, frame_times_ms
-from gemrender.render.formats import output_kind
+from gemrender.render.formats import Background, output_kind
 from gemrender.render.picture_files import write_png
 from gemrender.render.web_files import write_jpeg, write_webp
 
@@ -66,7 +66,7 @@ def test_with_frames_it_is_a_film(suffix):
 
 @pytest.mark.parametrize("name", ["a.png", "a.webp", "a.exr"])
 def test_a_background_may_be_transparent(name):
-    assert output_kind(name, transparent=True) == "still"
+    assert output_kind(name, transparent=Background("transparent") is Background.TRANSPARENT) == "still"
 
 
 @pytest.mark.parametrize(
