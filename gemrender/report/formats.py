@@ -234,8 +234,8 @@ def csv_lines(records: Iterable[Mapping[str, Any]]) -> Iterable[str]:
 
 def _csv_line(cells: Sequence[str]) -> str:
     text = io.StringIO()
-    csv.writer(text, lineterminator="").writerow(cells)
-    return text.getvalue()
+    csv.writer(text, lineterminator="\r\n").writerow(cells)  # what ends a line is quoted in cells
+    return text.getvalue().removesuffix("\r\n")
 
 
 def _csv_cell(value: Any) -> str:
