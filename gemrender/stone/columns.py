@@ -115,6 +115,7 @@ def match_columns(titles: Sequence[str]) -> Columns | None:
     InputError
         Two columns for one thing, or one that looks like a slip in a known name.
     """
+    titles = ["".join(c if c.isprintable() else "\ufffd" for c in title) for title in titles]
     found: dict[str, list[int]] = {}
     for i, title in enumerate(titles):
         if key := known_column(title):

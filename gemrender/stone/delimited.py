@@ -23,7 +23,7 @@ MOST_COLUMNS = 1000
 #: Longest cell [characters].
 LONGEST_CELL = 10_000
 
-_CHUNK = 1 << 20
+_CHUNK = 1 << 16
 _DELIMITERS = (",", ";", "\t")
 _NAMES = {",": "commas", ";": "semicolons", "\t": "tabs"}
 
@@ -69,7 +69,7 @@ def sniff(path: Path, missing: str = "no such file") -> Dialect:
     Raises
     ------
     InputError
-        No such file, no text, no row, or too large. It has no source.
+        No such file, no row, too many columns, or too large. It has no source.
     """
     encoding = _encoding(path, missing)
     with _text(path, encoding) as file:
@@ -135,7 +135,9 @@ def _lines(file: TextIO) -> Iterator[str]:
         try:
             line = file.readline(longest + 1)
         except UnicodeError as error:
-            raise InputError("must be text in UTF-8 or Windows-1252", key=f"line {number}") from error
+            raise InputError(
+                "is not the text that the file's first bytes say", key=f"line {number}"
+            ) from error
         except OSError as error:
             raise InputError(f"cannot be read ({reason(error)})") from error
         if not line:
@@ -148,8 +150,10 @@ def _lines(file: TextIO) -> Iterator[str]:
 @contextmanager
 def _text(path: Path, encoding: str) -> Iterator[TextIO]:
     try:
-        # Universal newlines: old Macs' ends of lines, too.
-        file = path.open(encoding=encoding, newline=None)
+        # Universal newlines: old Macs' ends of lines, too. Bytes that are no text come through as what cannot
+        # be printed: they are refused in the columns that are used.
+        errors = "surrogateescape" if encoding == "cp1252" else "strict"
+        file = path.open(encoding=encoding, errors=errors, newline=None)
     except (OSError, ValueError) as error:
         raise InputError(f"cannot be read ({reason(error)})") from error
     with file:
@@ -170,28 +174,18 @@ def _encoding(path: Path, missing: str) -> str:
                 return "utf-16"
             file.seek(0)
             decoder = codecs.getincrementaldecoder("utf-8")()
-            is_utf8, place = True, 0
             while chunk := file.read(_CHUNK):
-                if b"\0" in chunk:
-                    raise InputError(f"is no text: byte {place + chunk.index(0) + 1} is 0")
-                place += len(chunk)
-                if is_utf8:
-                    try:
-                        decoder.decode(chunk)
-                    except UnicodeDecodeError:
-                        is_utf8 = False
-            if is_utf8:
-                try:
-                    decoder.decode(b"", final=True)
-                except UnicodeDecodeError:
-                    is_utf8 = False
+                decoder.decode(chunk)
+            decoder.decode(b"", final=True)
+    except InputError:
+        raise
+    except UnicodeDecodeError:
+        return "cp1252"
     except FileNotFoundError as error:
         raise InputError(missing) from error
     except (OSError, ValueError) as error:  # ValueError: a path with a null character
-        if isinstance(error, InputError):
-            raise
         raise InputError(f"cannot be read ({reason(error)})") from error
-    return "utf-8-sig" if is_utf8 else "cp1252"
+    return "utf-8-sig"
 
 
 def _delimiter(line: str) -> str:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from functools import lru_cache
 
 from gemrender.errors import InputError
 
@@ -72,6 +73,7 @@ class StatedGirdle:
     words: str = ""
 
 
+@lru_cache(maxsize=1000)  # tables have the same few in every row
 def read_girdle(text: str) -> StatedGirdle:
     """Read a girdle such as "Medium", "thin to slightly thick (faceted)", "STK - THK", "2.5-4.0 %", "3.5%".
 

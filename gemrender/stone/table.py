@@ -12,7 +12,8 @@ import sys
 from array import array
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import astuple, fields
+from dataclasses import fields
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -40,7 +41,8 @@ _TEXT = {"name", "material", "shape", "culet", "girdle_thin", "girdle_thick", *_
 _EMPTY = {"", "-", "--", "\u2013", "\u2014", ".", "n/a", "na", "#n/a", "nan", "null", "unknown", "?"}
 _NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(%|pct|percent|[°º˚]|deg|degrees)?")
 _PER_CENT, _DEGREES = {"%", "pct", "percent"}, {"°", "º", "˚", "deg", "degrees"}
-_SIZE = len(fields(RoundBrilliant))
+_FIELDS = tuple(field.name for field in fields(RoundBrilliant))
+_numbers_of = attrgetter(*_FIELDS)
 
 
 class StoneTable(Stones):
@@ -82,10 +84,9 @@ class StoneTable(Stones):
 
     def proportions(self, i: int) -> RoundBrilliant:
         """Return the proportions of row i, from 0."""
-        values = self._numbers[_SIZE * i : _SIZE * (i + 1)]
-        return RoundBrilliant(
-            **{f.name: value for f, value in zip(fields(RoundBrilliant), values, strict=True)}
-        )
+        size = len(_FIELDS)
+        values = self._numbers[size * i : size * (i + 1)]
+        return RoundBrilliant(**dict(zip(_FIELDS, values, strict=True)))
 
     def _stone(self, i: int) -> Stone:
         return Stone.from_proportions(
@@ -121,7 +122,7 @@ class StoneTable(Stones):
                     continue
                 if first is not None:
                     continue
-                self._numbers.extend(astuple(report.proportions))
+                self._numbers.extend(_numbers_of(report.proportions))
                 self._lines.append(line)
                 self._names.append(name)
                 self._materials.append(same.setdefault(material, material))

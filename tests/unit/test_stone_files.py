@@ -286,7 +286,8 @@ REFUSED = {
     ),
     "key of another section": (
         PROPORTIONS + "lower_half = 80",
-        f"proportions.lower_half = 80: unknown key; must be one of {_KEYS}; it belongs in [angles] or [report]",
+        f"proportions.lower_half = 80: unknown key; must be one of {_KEYS}; "
+        "it belongs in [angles] or [report]",
     ),
     "missing keys": (
         "[proportions]\ntable = 54\nstar = 57\ncrown_height = 15",
