@@ -55,6 +55,8 @@ _UNITS = {
     "value", "in", "of",
 }  # fmt: skip
 _GLUED = re.compile(r"(?<=[a-z]{2})(?:percentage|percent|pct|perc|per|degrees|degree|deg)$")
+#: Taken for no slip: lists have other columns that are called alike ("Cut Grade" and "Culet Grade").
+_NEVER_MEANT = {"culet", "shape", "name", "girdle_thin", "girdle_thick"}
 #: From this likeness on, a column is taken for a slip in the name of a known one (of difflib, 0 to 1).
 _LIKENESS = 0.85
 
@@ -150,7 +152,9 @@ def _slip(title: str, found: dict[str, list[int]]) -> str | None:
     """Return the key of a column that is not there, and that the title is a misspelling of."""
     name = _folded(title)[0]
     for alias, key in _KEY.items():
-        if key in found or len(alias) < 4:
+        # What has a name whole, and more, is something else: "Crown Height (mm)", "Crown Angle Min".
+        more = len(name) >= len(alias) + 2 and alias in name
+        if key in found or key in _NEVER_MEANT or len(alias) < 4 or more:
             continue
         exchanged = len(name) == len(alias) and sorted(name) == sorted(alias)
         alike = difflib.SequenceMatcher(None, name, alias)

@@ -19,9 +19,9 @@ __all__ = ["MOST_COLUMNS", "MOST_TABLE_BYTES", "Dialect", "open_rows", "sniff"]
 #: Largest table [bytes]: 100,000 rows of 60 columns take 60 MB.
 MOST_TABLE_BYTES = 1_000_000_000
 #: Most columns of a table; those of the trade have about 100.
-MOST_COLUMNS = 1000
-#: Longest cell [characters].
-LONGEST_CELL = 10_000
+MOST_COLUMNS = 500
+#: Longest line [characters].
+LONGEST_LINE = 1_000_000
 
 _CHUNK = 1 << 16
 _DELIMITERS = (",", ";", "\t")
@@ -127,13 +127,12 @@ def _rows(file: TextIO, dialect: Dialect) -> Iterator[tuple[int, list[str]]]:
 
 
 def _lines(file: TextIO) -> Iterator[str]:
-    """Yield the lines, however they end; none is longer than a row of the longest cells can be."""
+    """Yield the lines, however they end; none is too long to be kept."""
     number = 0
-    longest = 100 * LONGEST_CELL
     while True:
         number += 1
         try:
-            line = file.readline(longest + 1)
+            line = file.readline(LONGEST_LINE + 1)
         except UnicodeError as error:
             raise InputError(
                 "is not the text that the file's first bytes say", key=f"line {number}"
@@ -142,8 +141,8 @@ def _lines(file: TextIO) -> Iterator[str]:
             raise InputError(f"cannot be read ({reason(error)})") from error
         if not line:
             return
-        if len(line) > longest:
-            raise InputError(f"is longer than {longest} characters", key=f"line {number}")
+        if len(line) > LONGEST_LINE:
+            raise InputError(f"is longer than {LONGEST_LINE} characters", key=f"line {number}")
         yield line
 
 

@@ -111,6 +111,27 @@ def test_list_of_the_trade():
     assert stones.notes[1:] == ("assumed in 1 of 1 rows: lower half 80 (not in the report)",)
 
 
+#: What else such lists have.
+OTHERS = (
+    "Availability", "Cut Grade", "Fluorescence Color", "Girdle Condition", "Girdle Open", "Table Open",
+    "Crown Open", "Table Inclusion", "Culet Condition", "Shade", "Tinge", "State", "Pair Stock #",
+    "Parcel Stones", "Lab Location", "Total Depth (mm)", "Crown Height mm", "crown_angle_min",
+    "Pavilion Angle Max", "Measurements Depth", "Measurements Width", "Certificate Url", "Depth mm",
+    "Star Ratio", "cut", "x", "y", "z",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("left_out", [*ANGLES[3:], None])
+def test_other_columns_of_the_trade_are_passed_over(left_out):
+    """None is taken for a slip in the name of a column that is not there."""
+    header = [key for key in ANGLES if key != left_out]
+    row = [value for key, value in zip(ANGLES, ROW, strict=True) if key != left_out]
+    if left_out == "girdle_thickness":
+        header, row = [*header, "depth"], [*row, 60]
+    stones = load_stones(write(lines((*row, *OTHERS), header=(*header, *OTHERS))))
+    assert stones.notes[0] == f"columns not used: {', '.join(OTHERS)}"
+
+
 def test_girdle_in_two_columns():
     header = ("table", "crown angle", "pavilion angle", "girdle min", "girdle max")
     assert only(lines((57, 34, 40.7, "THN", "STK"), header=header)).proportions.girdle_thickness == 3.25
