@@ -6,12 +6,14 @@ import math
 from pathlib import Path
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from tolerances import PRINTED_PERCENT, ROUNDING
 
 from gemrender.errors import InputError
 from gemrender.stone import RoundBrilliant, load_stone
 from gemrender.stone.girdle_words import GIRDLE_WORDS, check_culet, read_girdle
-from gemrender.stone.laboratory import read_report
+from gemrender.stone.laboratory import REPORT_KEYS, read_report
 
 #: GIA's reference stone, as a report prints it (Reinitz, Gilbertson & Geurts, "Weight ratio").
 REFERENCE = {
@@ -33,6 +35,11 @@ FROM_ANGLES = RoundBrilliant.from_angles(
 
 #: Sums of numbers of order 100 [%].
 SUM = 100 * ROUNDING
+
+
+#: The rounding of a report [%] where crown and pavilion are as steep as they may be (4), and half of the
+#: widest range of a girdle (4).
+LARGEST_ROUNDING = 8.0
 
 
 def without(*keys: str, **others: object) -> dict[str, object]:
@@ -267,6 +274,35 @@ def test_culet_that_is_a_point(culet):
 def test_culet_that_is_a_facet(culet):
     with pytest.raises(InputError, match="must be none or pointed"):
         check_culet(culet)
+
+
+# ---- Values of any kind --------------------------------------------------------------------------------
+
+ANYTHING = st.one_of(
+    st.floats(),
+    st.integers(),
+    st.text(max_size=12),
+    st.sampled_from([*GIRDLE_WORDS, "none", "round", 10**400, True, [1], {}, 57, 34.0, 40.7, 60, "2.5 %"]),
+)
+
+
+@settings(max_examples=300, derandomize=True, deadline=None)
+@given(
+    others=st.dictionaries(st.sampled_from(REPORT_KEYS), ANYTHING, max_size=3),
+    left_out=st.sets(st.sampled_from([*REFERENCE]), max_size=5),
+)
+def test_values_of_any_kind(others, left_out):
+    """Proportions that the depth agrees with, or one line."""
+    values = {key: value for key, value in (REFERENCE | others).items() if key not in left_out}
+    try:
+        proportions = read_report(values).proportions
+    except InputError as error:
+        line = str(error)
+        assert len(line.splitlines()) == 1
+        return
+    if "depth" in values:
+        total = proportions.crown_height + proportions.girdle_thickness + proportions.pavilion_depth
+        assert abs(total - values["depth"]) < LARGEST_ROUNDING
 
 
 # ---- Stone files ---------------------------------------------------------------------------------------
