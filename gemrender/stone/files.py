@@ -29,7 +29,7 @@ from gemrender.reading import (
     text_line,
     told_at,
 )
-from gemrender.stone.laboratory import REPORT_KEYS, read_report
+from gemrender.stone.laboratory import REPORT_KEYS, missing_parts, read_report
 from gemrender.stone.proportions import RoundBrilliant
 from gemrender.stone.solid import Stone
 from gemrender.stone.stones import LONGEST_NAME, OneStone, Stones
@@ -181,6 +181,8 @@ def _from_toml(path: Path) -> Stone:
         values = section(top, shape, _SECTIONS[shape], _home)
         if shape != "report":
             refuse_missing(values, _SECTIONS[shape], shape)
+        elif missing := missing_parts(values):
+            raise InputError(f"needs {missing}", key="[report]")
     assumed: tuple[str, ...] = ()
     with told_at(source, shape):
         if shape == "report":

@@ -214,8 +214,13 @@ def is_table(path: Path) -> bool:
             return True
     except InputError:  # it has columns of stones, though not good ones
         return True
-    # Titles of other than four columns are those of no vertices.
-    return len(header) not in (1, 4) and all(cell[:1].isalpha() for cell in header if cell)
+    # Titles of other than four columns, without coordinates, are those of no vertices.
+    titles = {cell.casefold() for cell in header}
+    return (
+        len(header) not in (1, 4)
+        and not {"x", "y", "z"} <= titles
+        and all(t[:1].isalpha() for t in titles if t)
+    )
 
 
 # ---- Cells ---------------------------------------------------------------------------------------------

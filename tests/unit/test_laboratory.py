@@ -335,6 +335,6 @@ def test_stone_file_with_a_bad_report(tmp_path):
     with pytest.raises(InputError) as caught:
         load_stone(path)
     assert str(caught.value) == (
-        f"{path}: report: needs the pavilion (pavilion_angle or pavilion_depth), the girdle (girdle or "
+        f"{path}: [report]: needs the pavilion (pavilion_angle or pavilion_depth), the girdle (girdle or "
         "girdle_thickness)"
     )

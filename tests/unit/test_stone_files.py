@@ -469,6 +469,10 @@ DAMAGED = {
         lambda lines: ["# comment", *lines[:3], lines[4], lines[3], *lines[5:]],
         "row 3 (line 5): expected table_2, got table_3",
     ),
+    "another column": (
+        lambda lines: ["label,x,y,z,comment", *(f"{line},a" for line in lines[1:])],
+        f"row 1 (line 1): {_COLUMNS}; has 5",
+    ),
     "semicolons": (
         lambda lines: [line.replace(",", ";") for line in lines],
         f"row 1 (line 1): {_COLUMNS}; has 1",
