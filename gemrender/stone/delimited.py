@@ -164,7 +164,7 @@ def _encoding(path: Path, missing: str) -> str:
     try:
         status = path.stat()
         if not stat.S_ISREG(status.st_mode):
-            raise InputError("cannot be read (it is not a file)")
+            raise InputError("must be a file, not a folder, pipe or device")
         if status.st_size > MOST_TABLE_BYTES:
             raise InputError(f"is no table of stones: larger than {MOST_TABLE_BYTES} bytes")
         with path.open("rb") as file:
