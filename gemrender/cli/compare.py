@@ -8,7 +8,6 @@ from gemrender.cli.groups import command
 from gemrender.cli.options import (
     EngineOptions,
     ModelOptions,
-    Stones,
     TableOptions,
     ViewOptions,
     output_option,
@@ -16,14 +15,14 @@ from gemrender.cli.options import (
     trace_options,
 )
 from gemrender.cli.output import print_records, progress_bar, say
-from gemrender.cli.stones import load
+from gemrender.cli.stones import StoneOptions, load
 
 __all__ = ["compare"]
 
 
 @command
 def compare(
-    stones: Stones,
+    given: StoneOptions,
     engine: EngineOptions,
     model: ModelOptions,
     view: ViewOptions,
@@ -41,7 +40,7 @@ def compare(
 
     form = table.chosen
     options = trace_options(engine, model, view)
-    loaded = load(stones, options)
+    loaded = load(given.stones, options, given.settings)
     prepare_engine(options, loaded.samples, out)
     folder = None if out is None else prepare_folder(out)
     scores, panels, pair = [], [], []
@@ -59,12 +58,13 @@ def compare(
             del observation
     print_records(
         form,
-        tables=lambda: [score_table(scores, loaded.settings)],
+        tables=lambda: [score_table(scores, loaded.settings, loaded.notes)],
         values=lambda: [s.to_dict() for s in scores],
         records=lambda: [score_record(s, loaded.setting(i)) for i, s in enumerate(scores)],
     )
-    for words in loaded.notes:
-        say(words)
+    if form in ("csv", "json"):
+        for words in loaded.notes:
+            say(words)
     if folder is not None:
         for path in write_comparison(panels, pair, folder):
             say(f"written: {path}")

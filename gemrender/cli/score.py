@@ -10,7 +10,6 @@ from gemrender.cli.groups import command
 from gemrender.cli.options import (
     EngineOptions,
     ModelOptions,
-    Stones,
     TableOptions,
     ViewOptions,
     output_option,
@@ -18,7 +17,7 @@ from gemrender.cli.options import (
     trace_options,
 )
 from gemrender.cli.output import print_csv, print_records, progress_bar, say
-from gemrender.cli.stones import load
+from gemrender.cli.stones import StoneOptions, load
 
 if TYPE_CHECKING:
     from gemrender.cli.stones import LoadedStones
@@ -32,7 +31,7 @@ _MANY = 100
 
 @command
 def score(
-    stones: Stones,
+    given: StoneOptions,
     engine: EngineOptions,
     model: ModelOptions,
     view: ViewOptions,
@@ -44,7 +43,7 @@ def score(
 
     form = table.chosen
     options = trace_options(engine, model, view)
-    loaded = load(stones, options)
+    loaded = load(given.stones, options, given.settings)
     prepare_engine(options, loaded.samples, out)
     started = time.monotonic()
     scored = _scores(loaded, options, out)
@@ -54,12 +53,13 @@ def score(
         scores = list(scored)
         print_records(
             form,
-            tables=lambda: [score_table(scores, loaded.settings)],
+            tables=lambda: [score_table(scores, loaded.settings, loaded.notes)],
             values=lambda: [_with(s.to_dict(), loaded.setting(i)) for i, s in enumerate(scores)],
             records=list,
         )
-    for words in loaded.notes:
-        say(words)
+    if form in ("csv", "json"):
+        for words in loaded.notes:
+            say(words)
     if len(loaded) >= _MANY:
         say(f"{len(loaded)} stones in {time.monotonic() - started:.1f} s")
     if out is not None:

@@ -9,7 +9,6 @@ from gemrender.cli.options import (
     ENGINE,
     EngineOptions,
     ModelOptions,
-    Stones,
     TableOptions,
     ViewOptions,
     output_option,
@@ -18,7 +17,7 @@ from gemrender.cli.options import (
     view_and_model,
 )
 from gemrender.cli.output import print_records, progress_bar, renamed, say
-from gemrender.cli.stones import load
+from gemrender.cli.stones import StoneOptions, load
 from gemrender.cli.values import number_option
 
 __all__ = ["sensitivity"]
@@ -29,7 +28,7 @@ _DEFAULT_BOUND = 0.2
 
 @command
 def sensitivity(
-    stones: Stones,
+    given: StoneOptions,
     model: ModelOptions,
     view: ViewOptions,
     table: TableOptions,
@@ -57,7 +56,7 @@ def sensitivity(
     form = table.chosen
     wanted, notes = renamed("--bound", bound, "--derivative-bound", derivative_bound, _DEFAULT_BOUND)
     options = trace_options(EngineOptions(engine="exact", bound=wanted), model, view)
-    loaded = load(stones, options)
+    loaded = load(given.stones, options, given.settings)
     for stone in loaded.stones:
         check_differentiable(stone)
     prepare_engine(options, loaded.samples, out)

@@ -11,7 +11,6 @@ from gemrender.cli.options import (
     EngineOptions,
     ModelOptions,
     Resolution,
-    Stones,
     TableOptions,
     TiltAzimuth,
     ViewOptions,
@@ -20,7 +19,7 @@ from gemrender.cli.options import (
     trace_options,
 )
 from gemrender.cli.output import print_records, progress_bar, say
-from gemrender.cli.stones import load
+from gemrender.cli.stones import StoneOptions, load
 from gemrender.cli.values import number_option, whole_option
 
 __all__ = ["symmetry"]
@@ -38,7 +37,7 @@ class StudyEngineOptions(EngineOptions):
 
 @command
 def symmetry(
-    stones: Stones,
+    given: StoneOptions,
     engine: StudyEngineOptions,
     model: ModelOptions,
     table: TableOptions,
@@ -95,7 +94,7 @@ def symmetry(
         )
         deviation, tilt = tilt, None
     options = trace_options(engine, model, ViewOptions(tilt=tilt or 0.0, tilt_azimuth=tilt_azimuth))
-    loaded = load(stones, options)
+    loaded = load(given.stones, options, given.settings)
     study: dict[str, Any] = {
         "tilt_deg": _DEFAULT_DEVIATION if deviation is None else deviation,
         "jitter": jitter,

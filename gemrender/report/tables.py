@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -55,7 +56,9 @@ def how_text(score: Score) -> str:
 # ---- Scores --------------------------------------------------------------------------------------------
 
 
-def score_table(scores: Sequence[Score], settings: Sequence[dict[str, Any]] = ()) -> TextTable:
+def score_table(
+    scores: Sequence[Score], settings: Sequence[dict[str, Any]] = (), notes: Sequence[str] = ()
+) -> TextTable:
     """Return a row a stone: Average, Rear and the bands [%].
 
     Parameters
@@ -64,6 +67,8 @@ def score_table(scores: Sequence[Score], settings: Sequence[dict[str, Any]] = ()
         At least one.
     settings : sequence of dict, optional
         Of each stone what was set for it, by name: columns before the scores.
+    notes : sequence of str, optional
+        What is to be said of the stones, such as what was assumed of them.
     """
     exact = any(s.facets is not None for s in scores)
     varied = list(settings[0]) if settings else []
@@ -80,7 +85,7 @@ def score_table(scores: Sequence[Score], settings: Sequence[dict[str, Any]] = ()
     ])  # fmt: skip
     for number, s in enumerate(scores):
         table.rows.append([
-            s.name,
+            _without(s.name, varied),
             *(_shown(settings[number][name]) for name in varied),
             f"{s.average:.2f}",
             f"{s.rear:.2f}",
@@ -89,6 +94,8 @@ def score_table(scores: Sequence[Score], settings: Sequence[dict[str, Any]] = ()
             *([str(s.facets.number) if s.facets else "–"] if exact else []),
         ])  # fmt: skip
     _explain(table, scores, exact)
+    for words in notes:
+        table.note(f"{words}.", "yellow")
     return table
 
 
@@ -110,6 +117,13 @@ def _explain(table: TextTable, scores: Sequence[Score], exact: bool) -> None:
     for s in scores:
         if s.lost:
             table.note(f"{s.name}: {s.lost:.2g} % of the rays were lost to rounding.", "yellow")
+
+
+def _without(name: str, keys: Sequence[str]) -> str:
+    """Return a stone's name without the settings at its end, which have columns of their own."""
+    for key in reversed(keys):
+        name = re.sub(rf" {re.escape(key)}=\S+$", "", name)
+    return name
 
 
 def _names(names: Sequence[str], most: int = 6) -> str:
