@@ -11,7 +11,7 @@ from PIL import Image
 
 from gemrender.errors import BackendError, InputError
 from gemrender.render.picture_files import software
-from gemrender.render.web_files import described
+from gemrender.render.web_files import described, plain_text
 
 __all__ = ["FPS_LIMIT", "check_film", "encode_film", "frame_times_ms"]
 
@@ -77,6 +77,7 @@ def encode_film(
         The library that writes it is not installed.
     """
     suffix = path.suffix.lower()
+    title, description = plain_text(title), plain_text(description)
     if suffix == ".gif":
         _encode_gif(path, files, fps, title, description)
     elif suffix == ".webp":

@@ -10,7 +10,7 @@ from xml.sax.saxutils import escape
 from gemrender.render.picture_files import check_picture, file_of, software
 from gemrender.writing import write_whole
 
-__all__ = ["described", "write_jpeg", "write_webp"]
+__all__ = ["described", "plain_text", "write_jpeg", "write_webp"]
 
 #: JPEG at which sparkles and straight edges keep no visible ringing; above it files grow and nothing is
 #: gained. Colour at full resolution: fire is a pixel or two across, and half of it would be smeared away.
@@ -68,7 +68,7 @@ def described(title: str, description: str) -> dict[str, Any]:
     """Return what Pillow writes into JPEG and WebP files: EXIF and XMP (ISO 16684-1)."""
     from PIL import Image
 
-    title, description = _text(title), _text(description)
+    title, description = plain_text(title), plain_text(description)
     exif = Image.Exif()
     exif[_SOFTWARE] = software()
     if description:
@@ -88,8 +88,8 @@ def described(title: str, description: str) -> dict[str, Any]:
     return {"exif": exif, "xmp": packet.encode()}
 
 
-def _text(text: str) -> str:
-    """Return a text that XML and EXIF can hold, on one line."""
+def plain_text(text: str) -> str:
+    """Return a text that any metadata can hold: on one line, without control characters, not too long."""
     line = " ".join("".join(c if c.isprintable() or c.isspace() else "\ufffd" for c in text).split())
     return line if len(line) <= _LONGEST else line[: _LONGEST - 1] + "…"
 

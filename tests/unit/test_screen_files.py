@@ -290,6 +290,15 @@ def test_an_mp4_tells_what_it_is(tmp_path, frames):
         assert opened.metadata["comment"] == DESCRIPTION
 
 
+@pytest.mark.parametrize("name", ["a.mp4", "a.gif", "a.webp"])
+def test_a_film_is_written_whatever_its_stones_are_called(tmp_path, frames, name):
+    if name == "a.mp4":
+        pytest.importorskip("av")
+    files, _ = frames(2)
+    encode_film(tmp_path / name, files, 10.0, title="a\0b\ud800\n" + "&" * 70_000, description="\x1b[2J")
+    assert (tmp_path / name).stat().st_size > 0
+
+
 @pytest.mark.parametrize("name", ["a.gif", "a.webp"])
 def test_gif_and_webp_need_no_film_library_and_no_even_size(tmp_path, name, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "av", None)
