@@ -41,25 +41,36 @@ _UNLIMITED = 100_000
 def progress_bar(total: int) -> Iterator[Callable[[int, str], Callable[[float], None]]]:
     """Show a bar on a terminal once the work has taken a second; yields a callback for each of its steps."""
     from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich.progress import BarColumn, Progress, TextColumn
+
+    from gemrender.progress import ProgressLines, TimeLeft, duration_words
 
     console = Console(stderr=True)
+    if not console.is_terminal:
+        with ProgressLines(say) as lines:
+            yield (
+                lambda number, description: lambda share: lines.update((number + share) / total, description)
+            )
+        return
+    left = TimeLeft()
     bar = Progress(
         TextColumn("{task.description}", markup=False),
         BarColumn(),
         TextColumn("{task.percentage:3.0f} %"),
-        TimeRemainingColumn(),
+        TextColumn("{task.fields[left]}", markup=False),
         console=console,
         transient=True,
     )
-    task = bar.add_task("", total=total)
+    task = bar.add_task("", total=total, left="")
     started = time.monotonic()
 
     def step(number: int, description: str) -> Callable[[float], None]:
         def advance(share: float) -> None:
-            bar.update(task, completed=number + share, description=description)
-            waited = time.monotonic() - started > _PATIENCE
-            if waited and console.is_terminal and not bar.live.is_started:
+            left.update((number + share) / total)
+            seconds = left.seconds()
+            words = "" if seconds is None else f"about {duration_words(seconds)} left"
+            bar.update(task, completed=number + share, description=description, left=words)
+            if time.monotonic() - started > _PATIENCE and not bar.live.is_started:
                 bar.start()
 
         return advance

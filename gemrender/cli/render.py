@@ -17,9 +17,6 @@ from gemrender.errors import InputError
 
 __all__ = ["render"]
 
-_FILM = ".mp4"
-
-
 #: Headings of the help.
 PICTURE, FILM = "Picture", "Film"
 
@@ -30,16 +27,23 @@ def render(
     gem: GemOptions,
     out: Annotated[
         str,
-        output_option("Picture or film to write, or the folder for it: .png, .exr or .mp4.", "FILE"),
+        output_option(
+            "Picture or film to write, or the folder for it: .png, .jpg, .webp, .exr; .mp4, .gif, .webp.",
+            "FILE",
+        ),
     ],
     setup: Annotated[str, Setup] = "studio",
     size: Size = SIZE,
-    spp: Annotated[
-        int | None,
-        whole_option(
-            "--spp", "Samples a pixel; by default 256, and without end where a noise or a time is given."
+    quality: Annotated[
+        str | None,
+        choice_option(
+            "--quality",
+            ("draft", "good", "best"),
+            "Where to end, in a word; by default good, 256 samples. Samples or a noise stand in its place.",
+            metavar="WORD",
         ),
     ] = None,
+    spp: Annotated[int | None, whole_option("--spp", "Samples a pixel.")] = None,
     noise: Annotated[
         float | None,
         number_option(
@@ -68,6 +72,16 @@ def render(
             rich_help_panel=ENGINE,
         ),
     ] = "llvm_ad_spectral",
+    background: Annotated[
+        str,
+        choice_option(
+            "--background",
+            ("setup", "transparent"),
+            "What is seen beside the stones.",
+            metavar="WORD",
+            rich_help_panel=PICTURE,
+        ),
+    ] = "setup",
     denoise: Annotated[
         bool,
         typer.Option("--denoise", help="Denoise the picture; needs mitsuba-oidn.", rich_help_panel=PICTURE),
@@ -104,46 +118,45 @@ def render(
     ] = "380,760",
     frames: Annotated[
         int | None,
-        whole_option("--frames", "Frames of a film of one turn (.mp4).", rich_help_panel=FILM),
+        whole_option("--frames", "Frames of a film of one turn (.mp4, .gif or .webp).", rich_help_panel=FILM),
     ] = None,
-    fps: Annotated[int, whole_option("--fps", "Frames a second.", rich_help_panel=FILM)] = 30,
+    fps: Annotated[
+        float,
+        number_option("--fps", "frames a second", "Frames a second.", metavar="NUMBER", rich_help_panel=FILM),
+    ] = 30.0,
 ) -> None:
     """Render stones photoreally: spectra, dispersion, studio light."""
     from gemrender.render.develop import EV_LIMIT
-    from gemrender.render.finish import STILL_SUFFIXES
+    from gemrender.render.formats import output_kind
     from gemrender.render.frames import check_film
     from gemrender.render.photoreal import require_denoiser
+    from gemrender.render.quality import Quality, ends_of
     from gemrender.report.files import file_stems, prepare_folder
     from gemrender.scene.setup import load_setup
 
     default = file_stems(stones)[0] + (".mp4" if frames else ".png")
     path = Path(output_file(out, default))
     suffix = path.suffix.lower()
-    if suffix not in (*STILL_SUFFIXES, _FILM):
-        raise InputError(f"must end in {', '.join((*STILL_SUFFIXES, _FILM))}", key="out", value=out)
-    if frames is None and suffix == _FILM:
-        raise InputError("missing: a film needs a number of frames", key="frames")
-    if frames is not None and suffix != _FILM:
-        raise InputError(f"go with a film, a file that ends in {_FILM}", key="frames", value=frames)
     width, height = picture_size(size)
-    ends: dict[str, Any] = {"spp": spp, "noise": noise, "time_limit": time}
-    if all(value is None for value in ends.values()):
-        ends["spp"] = 256
+    transparent = background == "transparent"
+    kind = output_kind(path, frames=frames, transparent=transparent, size=(width, height))
+    ends = ends_of(Quality(quality) if quality else None, spp=spp, noise=noise, time_limit=time)
     gems = load_gems(stones, gem)
     around = load_setup(setup)
-    options = {
+    options: dict[str, Any] = {
         "width": width,
         "height": height,
         **ends,
         "seed": seed,
         "dispersion": dispersion,
+        "transparent": transparent,
         "variant": variant,
     }
     bins_nm = _bins(bins, range_, suffix)
     if abs(exposure + around.exposure) > EV_LIMIT:
         allowed = f"must be from {-EV_LIMIT:g} to {EV_LIMIT:g} with the set-up's own, {around.exposure:g}"
         raise InputError(allowed, key="exposure", value=exposure)
-    if suffix == _FILM and turn:
+    if kind == "film" and turn:
         raise InputError("is for still pictures only", key="turn", value=turn)
     if denoise:
         require_denoiser()
