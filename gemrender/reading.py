@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import difflib
+import io
+import os
+import stat
 import tomllib
 from collections.abc import Callable, Collection, Iterator
 from importlib import resources
@@ -17,6 +20,7 @@ __all__ = [
     "MOST_BYTES",
     "bundled_files",
     "did_you_mean",
+    "open_file",
     "parse_toml",
     "read_lines",
     "reason",
@@ -68,10 +72,12 @@ def read_lines(
     """
     source = str(path)
     try:
-        with path.open("rb") as file:
+        with open_file(path) as file:
             data = file.read(MOST_BYTES + 1)
     except FileNotFoundError as error:
         raise InputError(missing, source=source) from error
+    except InputError:
+        raise
     except (OSError, ValueError) as error:  # ValueError: a path with a null character
         raise InputError(f"cannot be read ({reason(error)})", source=source) from error
     if len(data) > MOST_BYTES:
@@ -91,6 +97,51 @@ def read_lines(
                 key=f"line {number}",
             )
     return lines
+
+
+def open_file(path: Path, flags: int = os.O_RDONLY) -> io.FileIO:
+    """Open a file, unbuffered; refuse what is none, such as a pipe, without ever waiting for its other end.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    flags : int
+        As `os.open` takes them.
+
+    Raises
+    ------
+    InputError
+        It is a pipe, a socket or a device.
+    OSError, ValueError
+        As `open` raises them.
+    """
+    with contextlib.suppress(OSError):  # told by what follows
+        _refuse_special(path.stat().st_mode, path)
+
+    def opener(name: str, _: int) -> int:
+        # Should it have become a pipe meanwhile, no waiting.
+        return os.open(name, flags | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_NONBLOCK", 0), 0o666)
+
+    writes = flags & (os.O_WRONLY | os.O_RDWR)
+    file = io.FileIO(path, "r+" if writes else "r", opener=opener)
+    try:
+        _refuse_special(os.fstat(file.fileno()).st_mode, path)
+    except InputError:
+        file.close()
+        raise
+    return file
+
+
+def _refuse_special(mode: int, path: Path) -> None:
+    for is_it, what in (
+        (stat.S_ISFIFO, "pipe"),
+        (stat.S_ISSOCK, "socket"),
+        (stat.S_ISCHR, "device"),
+        (stat.S_ISBLK, "device"),
+    ):
+        if is_it(mode):
+            raise InputError(f"must be a file, not a {what}", source=str(path))
 
 
 def reason(error: Exception) -> str:

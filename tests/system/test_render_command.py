@@ -405,7 +405,7 @@ def test_a_film_goes_on_where_it_was_interrupted(at, done, gemrender, folder, av
         "gemrender: interrupted",
     ]
     assert names(".") == {"x.mp4.frames"}
-    assert names("x.mp4.frames") == {"settings.json", *(f"{k:05d}.png" for k in range(done))}
+    assert names("x.mp4.frames") == {"journal.jsonl", *(f"{k:05d}.png" for k in range(done))}
     assert turns() == [120 * k for k in range(done)]
 
     turns.at = None
@@ -418,7 +418,7 @@ def test_a_film_goes_on_where_it_was_interrupted(at, done, gemrender, folder, av
 def test_a_frame_that_is_not_done_is_none(gemrender, folder, av, monkeypatch):
     interrupt_after(monkeypatch, 3)  # in the second pass of the second frame
     assert gemrender(*FILM)[0] == 130
-    assert names("x.mp4.frames") == {"settings.json", "00000.png"}
+    assert names("x.mp4.frames") == {"journal.jsonl", "00000.png"}
 
 
 @pytest.mark.parametrize(
@@ -451,13 +451,13 @@ def test_a_folder_that_is_no_films_is_refused(gemrender, folder, av, turns):
     Path("x.mp4.frames").mkdir()
     Path("x.mp4.frames/holiday.txt").write_text("dear diary")
     assert gemrender(*FILM)[0] == 2
-    for text in ("{", "[]", '"x"', json.dumps({"fingerprint": "x"})):
-        Path("x.mp4.frames/settings.json").write_text(text)
+    for text in ("dear diary", "[]", '"x"', json.dumps({"film": "x"})):
+        Path("x.mp4.frames/journal.jsonl").write_text(text)
         status, _, err = gemrender(*FILM)
         assert (status, err.count("\n")) == (2, 1), text
-        assert err.startswith("gemrender: x.mp4.frames: ")
+        assert err.startswith("gemrender: x.mp4.frames")
     assert turns() == []
-    assert names("x.mp4.frames") == {"holiday.txt", "settings.json"}
+    assert names("x.mp4.frames") == {"holiday.txt", "journal.jsonl"}
 
 
 def test_without_the_library_a_film_is_one_line_with_the_cure(gemrender, folder, monkeypatch):
@@ -658,7 +658,7 @@ def test_a_full_disk_leaves_no_half_frame(gemrender, folder, av, monkeypatch):
         status, out, err = gemrender(*FILM)
     assert (status, out) == (2, "")
     assert err == "gemrender: x.mp4.frames/00000.png: cannot be written: No space left on device\n"
-    assert names("x.mp4.frames") == {"settings.json"}
+    assert names("x.mp4.frames") == {"journal.jsonl"}
     assert gemrender(*FILM)[0] == 0  # once there is room
 
 

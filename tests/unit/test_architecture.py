@@ -18,6 +18,7 @@ PACKAGE = Path(gemrender.__file__).parent
 LAYERS: list[dict[str, set[str]]] = [
     {"errors": set()},
     {"writing": set(), "reading": set()},
+    {"journal": set()},
     {"stone": {"numpy"}, "optics": {"numpy"}},
     {"colorimetry": {"numpy", "colour"}},
     {"observation": {"numpy"}},
