@@ -21,7 +21,6 @@ from gemrender.reading import (
     did_you_mean,
     parse_toml,
     read_lines,
-    reason,
     refuse_missing,
     refuse_unknown,
     section,
@@ -32,6 +31,7 @@ from gemrender.reading import (
 from gemrender.stone.proportions import RoundBrilliant
 from gemrender.stone.solid import Stone
 from gemrender.stone.topology import N_VERTICES, VERTEX_LABELS
+from gemrender.writing import write_whole
 
 __all__ = ["bundled_stones", "load_stone", "save_vertices"]
 
@@ -91,7 +91,7 @@ def save_vertices(stone: Stone, path: str | os.PathLike[str]) -> None:
     stone : Stone
         The stone; its vertices are written in its own frame [girdle radius].
     path : str or path-like
-        File to write, ending in .csv; a file that is there is replaced.
+        File to write, ending in .csv, whole or not at all; a file that is there is replaced.
 
     Raises
     ------
@@ -102,10 +102,13 @@ def save_vertices(stone: Stone, path: str | os.PathLike[str]) -> None:
         (label, *map(repr, xyz)) for label, xyz in zip(VERTEX_LABELS, stone.vertices.tolist(), strict=True)
     ]
     text = "".join(",".join(row) + "\n" for row in (_COLUMNS, *rows))
+    target = Path(path)
     try:
-        Path(path).write_text(text, encoding="utf-8", newline="\n")
-    except (OSError, ValueError) as error:  # ValueError: a path with a null character
-        raise InputError(f"cannot be written ({reason(error)})", source=os.fspath(path)) from error
+        write_whole(
+            target.parent, {target.name: lambda made: made.write_text(text, encoding="utf-8", newline="\n")}
+        )
+    except InputError as error:
+        raise InputError(error.allowed, source=os.fspath(path)) from error
 
 
 # ---- Finding files -------------------------------------------------------------------------------------
