@@ -112,7 +112,9 @@ def render_film(
                 exposure = exposure_of(picture, setup, ev=ev)
             write_png(file, developed(picture, setup, exposure=exposure, curve=curve))
             journal.add(k, exposure, _digest(file))
-        write_whole(path.parent, {path.name: lambda made: _encode(av, made, files, fps)})
+        # Encoded in there first, where what a killed process leaves is found and removed.
+        (film,) = write_whole(folder, {path.name: lambda made: _encode(av, made, files, fps)})
+        write_whole(path.parent, {path.name: lambda made: shutil.move(film, made)})
         for file in files:
             file.unlink()
         journal.remove()
