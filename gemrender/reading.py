@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from gemrender.errors import InputError
+from gemrender.mistakes import Mistakes
 
 __all__ = [
     "LONGEST_LINE",
@@ -215,7 +216,11 @@ def told_at(source: str | None, section: str | None = None) -> Iterator[None]:
 
 
 def section(
-    top: dict[str, Any], name: str, keys: Collection[str], hint: Callable[[str], str] | None = None
+    top: dict[str, Any],
+    name: str,
+    keys: Collection[str],
+    hint: Callable[[str], str] | None = None,
+    mistakes: Mistakes | None = None,
 ) -> dict[str, Any]:
     """Return a section that is there, with none but known keys.
 
@@ -229,19 +234,25 @@ def section(
         Its keys, in the order to tell them in.
     hint : callable, optional
         As `refuse_unknown` takes it.
+    mistakes : Mistakes, optional
+        What keeps unknown keys, which are then left out, for the others to be checked too; without it they
+        are refused at once.
 
     Raises
     ------
     InputError
-        It is no table, or has an unknown key.
+        It is no table, or has unknown keys.
     """
     values = top[name]
     if not isinstance(values, dict):
         raise InputError(
             f"must be a section: a line [{name}], and below it {', '.join(keys)}", key=name, value=values
         )
-    refuse_unknown(values, keys, name, hint)
-    return values
+    if mistakes is None:
+        refuse_unknown(values, keys, name, hint)
+        return values
+    mistakes.of(refuse_unknown, values, keys, name, hint)
+    return {key: value for key, value in values.items() if key in keys}
 
 
 def refuse_unknown(
@@ -267,16 +278,16 @@ def refuse_unknown(
     Raises
     ------
     InputError
-        For the first unknown key.
+        For each unknown key.
     """
-    for key, value in values.items():
-        if key not in known:
-            ending = (hint(key) if hint else "") or did_you_mean(key, known)
-            raise InputError(
-                f"unknown key; must be one of {', '.join(known)}{ending}",
-                key=f"{section}.{key}" if section else key,
-                value=value,
-            )
+    with Mistakes() as mistakes:
+        for key, value in values.items():
+            if key not in known:
+                ending = (hint(key) if hint else "") or did_you_mean(key, known)
+                # What is allowed is said once.
+                must = "" if mistakes.errors else f"; must be one of {', '.join(known)}"
+                name = f"{section}.{key}" if section else key
+                mistakes.add(InputError(f"unknown key{must}{ending}", key=name, value=value))
 
 
 def refuse_missing(values: dict[str, Any], needed: Collection[str], section: str) -> None:

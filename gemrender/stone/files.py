@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from gemrender.errors import InputError
+from gemrender.mistakes import Mistakes
 from gemrender.reading import LONGEST_LINE as LONGEST_LINE
 from gemrender.reading import MOST_BYTES as MOST_BYTES
 from gemrender.reading import (
@@ -28,7 +29,7 @@ from gemrender.reading import (
     text_line,
     told_at,
 )
-from gemrender.stone.proportions import RoundBrilliant
+from gemrender.stone.proportions import RoundBrilliant, checked_values
 from gemrender.stone.solid import Stone
 from gemrender.stone.topology import N_VERTICES, VERTEX_LABELS
 from gemrender.writing import write_whole
@@ -137,23 +138,46 @@ def _no_such_file(path: Path) -> str:
 
 def _from_toml(path: Path) -> Stone:
     source = str(path)
-    with told_at(source):
+    with told_at(source), Mistakes() as mistakes:
         top = parse_toml(read_lines(path, kind="stone", missing=_no_such_file(path)), kind="stone")
-        refuse_unknown(top, _TOP, hint=_home)
+        mistakes.of(refuse_unknown, top, _TOP, hint=_home)
+        name = mistakes.of(text_line, top, "name", stem(path, "stone"), LONGEST_NAME)
+        material = mistakes.of(_material, top, mistakes)
         given = [key for key in _SHAPES if key in top]
+        if not given and any(key not in _TOP for key in top):  # one of them misspelt
+            mistakes.refuse()
         if len(given) != 1:
             allowed = "needs exactly one of [proportions], [angles] and vertices"
             raise InputError(f"{allowed}; has {' and '.join(given) or 'none'}")
-        name = text_line(top, "name", stem(path, "stone"), LONGEST_NAME)
-        material = _material(top)
         shape = given[0]
         if shape == "vertices":
-            return _measured(_vertices_path(top["vertices"], path), name=name, material=material, toml=path)
-        values = section(top, shape, _SECTIONS[shape], _home)
-        refuse_missing(values, _SECTIONS[shape], shape)
-    make = RoundBrilliant if shape == "proportions" else RoundBrilliant.from_angles
+            vertices = _vertices_path(top["vertices"], path)
+        else:
+            proportions = _proportions(top, shape, mistakes)
+    if shape == "vertices":
+        return _measured(vertices, name=str(name), material=material, toml=path)
+    assert proportions is not None
     with told_at(source, shape):
-        return Stone.from_proportions(make(**values), name=name, material=material, source=source)
+        return Stone.from_proportions(proportions, name=str(name), material=material, source=source)
+
+
+def _proportions(top: dict[str, Any], shape: str, mistakes: Mistakes) -> RoundBrilliant | None:
+    """Return the proportions that a section gives; None where it has mistakes, which are kept."""
+    before = len(mistakes.errors)
+    values = section(top, shape, _SECTIONS[shape], _home, mistakes)
+    misspelt = len(mistakes.errors) > before
+
+    def made() -> RoundBrilliant | None:
+        with told_at(None, shape):
+            if len(values) == len(_SECTIONS[shape]):
+                return (RoundBrilliant if shape == "proportions" else RoundBrilliant.from_angles)(**values)
+            checked_values(values)
+            return None
+
+    proportions = mistakes.of(made)
+    if not misspelt:
+        refuse_missing(values, _SECTIONS[shape], shape)
+    return proportions
 
 
 def _home(key: str) -> str:
@@ -162,12 +186,15 @@ def _home(key: str) -> str:
     return f"; it belongs in {' or '.join(homes)}" if homes else ""
 
 
-def _material(top: dict[str, Any]) -> str | float | None:
+def _material(top: dict[str, Any], mistakes: Mistakes) -> str | float | None:
     """Return the material's name or index; whether there is such a material is for the optics to say."""
     if "material" not in top:
         return None
-    material = section(top, "material", _SECTIONS["material"], _home)
+    before = len(mistakes.errors)
+    material = section(top, "material", _SECTIONS["material"], _home, mistakes)
     if len(material) != 1:
+        if not material and len(mistakes.errors) > before:  # one of them misspelt
+            return None
         raise InputError(
             f"needs exactly one of name and index; has {'both' if material else 'none'}", key="[material]"
         )

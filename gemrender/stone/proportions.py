@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
 from gemrender.errors import InputError
+from gemrender.mistakes import Mistakes
 from gemrender.stone.topology import (
     CONTACT,
     CULET,
@@ -79,10 +81,8 @@ class RoundBrilliant:
     girdle_thickness: float
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            low, high = RANGES[field.name]
-            value = _number(field.name, getattr(self, field.name), low, high)
-            object.__setattr__(self, field.name, value)
+        for key, value in checked_values(asdict(self)).items():
+            object.__setattr__(self, key, value)
         smallest = smallest_star(self.table)
         if self.star < smallest:
             raise InputError(
@@ -123,10 +123,9 @@ class RoundBrilliant:
         InputError
             As for the class, told in the report's own terms.
         """
-        table = _number("table", table, *RANGES["table"])
-        crown = _number("crown_angle", crown_angle, *ANGLE_RANGES["crown_angle"], unit="deg")
-        pavilion = _number("pavilion_angle", pavilion_angle, *ANGLE_RANGES["pavilion_angle"], unit="deg")
-        lower = _number("lower_half", lower_half, *ANGLE_RANGES["lower_half"])
+        given = {"table": table, "crown_angle": crown_angle, "pavilion_angle": pavilion_angle}
+        given |= {"star": star, "lower_half": lower_half, "girdle_thickness": girdle_thickness}
+        table, crown, pavilion, _, lower, _ = checked_values(given).values()
         crown_height = (100.0 - table) / 2.0 * math.tan(math.radians(crown))
         pavilion_depth = 50.0 * math.tan(math.radians(pavilion))
         for key, height in (("crown_height", crown_height), ("pavilion_depth", pavilion_depth)):
@@ -203,6 +202,29 @@ def brilliant_vertices(
     out[CONTACT] = _ring(odd, r_contact, z_contact)
     out[CULET] = (0.0, 0.0, -pavilion)
     return out
+
+
+def checked_values(values: Mapping[str, Any]) -> dict[str, float]:
+    """Return proportions and angles as floats, each within its range alone.
+
+    Parameters
+    ----------
+    values : mapping of str to object
+        By the keys of `RANGES` and `ANGLE_RANGES`.
+
+    Raises
+    ------
+    InputError
+        For each that is no number, or out of its range.
+    """
+    numbers: dict[str, Any] = {}
+    with Mistakes() as mistakes:
+        for key, value in values.items():
+            low, high = (RANGES | ANGLE_RANGES)[key]
+            numbers[key] = mistakes.of(
+                _number, key, value, low, high, "deg" if key.endswith("_angle") else "%"
+            )
+    return numbers
 
 
 def smallest_star(table: float) -> float:

@@ -17,6 +17,7 @@ PACKAGE = Path(gemrender.__file__).parent
 #: own line; those on one line do not know each other.
 LAYERS: list[dict[str, set[str]]] = [
     {"errors": set()},
+    {"mistakes": set()},
     {"writing": set(), "reading": set(), "interruption": set()},
     {"journal": set()},
     {"stone": {"numpy"}, "optics": {"numpy"}},

@@ -432,11 +432,11 @@ def test_path_that_no_file_can_have(name):
 
 
 def test_file_that_may_not_be_read(monkeypatch):
-    def refuse(self, mode):
+    def refuse(*_):
         raise PermissionError(13, "Permission denied")
 
     write(PROPORTIONS)
-    monkeypatch.setattr(Path, "open", refuse)
+    monkeypatch.setattr(os, "open", refuse)
     assert refusal("stone.toml") == "stone.toml: cannot be read (Permission denied)"
 
 
