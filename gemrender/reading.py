@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import difflib
+import io
+import os
+import stat
 import tomllib
 from collections.abc import Callable, Collection, Iterator
 from importlib import resources
@@ -11,12 +14,14 @@ from pathlib import Path
 from typing import Any
 
 from gemrender.errors import InputError
+from gemrender.mistakes import Mistakes
 
 __all__ = [
     "LONGEST_LINE",
     "MOST_BYTES",
     "bundled_files",
     "did_you_mean",
+    "open_file",
     "parse_toml",
     "read_lines",
     "reason",
@@ -68,10 +73,12 @@ def read_lines(
     """
     source = str(path)
     try:
-        with path.open("rb") as file:
+        with open_file(path) as file:
             data = file.read(MOST_BYTES + 1)
     except FileNotFoundError as error:
         raise InputError(missing, source=source) from error
+    except InputError:
+        raise
     except (OSError, ValueError) as error:  # ValueError: a path with a null character
         raise InputError(f"cannot be read ({reason(error)})", source=source) from error
     if len(data) > MOST_BYTES:
@@ -91,6 +98,51 @@ def read_lines(
                 key=f"line {number}",
             )
     return lines
+
+
+def open_file(path: Path, flags: int = os.O_RDONLY) -> io.FileIO:
+    """Open a file, unbuffered; refuse what is none, such as a pipe, without ever waiting for its other end.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    flags : int
+        As `os.open` takes them.
+
+    Raises
+    ------
+    InputError
+        It is a pipe, a socket or a device.
+    OSError, ValueError
+        As `open` raises them.
+    """
+    with contextlib.suppress(OSError):  # told by what follows
+        _refuse_special(path.stat().st_mode, path)
+
+    def opener(name: str, _: int) -> int:
+        # Should it have become a pipe meanwhile, no waiting.
+        return os.open(name, flags | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_NONBLOCK", 0), 0o666)
+
+    writes = flags & (os.O_WRONLY | os.O_RDWR)
+    file = io.FileIO(path, "r+" if writes else "r", opener=opener)
+    try:
+        _refuse_special(os.fstat(file.fileno()).st_mode, path)
+    except InputError:
+        file.close()
+        raise
+    return file
+
+
+def _refuse_special(mode: int, path: Path) -> None:
+    for is_it, what in (
+        (stat.S_ISFIFO, "pipe"),
+        (stat.S_ISSOCK, "socket"),
+        (stat.S_ISCHR, "device"),
+        (stat.S_ISBLK, "device"),
+    ):
+        if is_it(mode):
+            raise InputError(f"must be a file, not a {what}", source=str(path))
 
 
 def reason(error: Exception) -> str:
@@ -164,7 +216,11 @@ def told_at(source: str | None, section: str | None = None) -> Iterator[None]:
 
 
 def section(
-    top: dict[str, Any], name: str, keys: Collection[str], hint: Callable[[str], str] | None = None
+    top: dict[str, Any],
+    name: str,
+    keys: Collection[str],
+    hint: Callable[[str], str] | None = None,
+    mistakes: Mistakes | None = None,
 ) -> dict[str, Any]:
     """Return a section that is there, with none but known keys.
 
@@ -178,19 +234,25 @@ def section(
         Its keys, in the order to tell them in.
     hint : callable, optional
         As `refuse_unknown` takes it.
+    mistakes : Mistakes, optional
+        What keeps unknown keys, which are then left out, for the others to be checked too; without it they
+        are refused at once.
 
     Raises
     ------
     InputError
-        It is no table, or has an unknown key.
+        It is no table, or has unknown keys.
     """
     values = top[name]
     if not isinstance(values, dict):
         raise InputError(
             f"must be a section: a line [{name}], and below it {', '.join(keys)}", key=name, value=values
         )
-    refuse_unknown(values, keys, name, hint)
-    return values
+    if mistakes is None:
+        refuse_unknown(values, keys, name, hint)
+        return values
+    mistakes.of(refuse_unknown, values, keys, name, hint)
+    return {key: value for key, value in values.items() if key in keys}
 
 
 def refuse_unknown(
@@ -216,16 +278,16 @@ def refuse_unknown(
     Raises
     ------
     InputError
-        For the first unknown key.
+        For each unknown key.
     """
-    for key, value in values.items():
-        if key not in known:
-            ending = (hint(key) if hint else "") or did_you_mean(key, known)
-            raise InputError(
-                f"unknown key; must be one of {', '.join(known)}{ending}",
-                key=f"{section}.{key}" if section else key,
-                value=value,
-            )
+    with Mistakes() as mistakes:
+        for key, value in values.items():
+            if key not in known:
+                ending = (hint(key) if hint else "") or did_you_mean(key, known)
+                # What is allowed is said once.
+                must = "" if mistakes.errors else f"; must be one of {', '.join(known)}"
+                name = f"{section}.{key}" if section else key
+                mistakes.add(InputError(f"unknown key{must}{ending}", key=name, value=value))
 
 
 def refuse_missing(values: dict[str, Any], needed: Collection[str], section: str) -> None:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import io
+import logging
 import os
 import sys
+from collections.abc import Iterator
 from typing import Annotated, Any, NoReturn
 
 import typer
@@ -24,8 +27,12 @@ from gemrender.cli.show import show
 from gemrender.cli.symmetry import symmetry
 from gemrender.cli.values import OptionError, listed
 from gemrender.errors import GemrenderError, InputError
+from gemrender.interruption import interrupted_by_signals
 
 __all__ = ["app", "main", "run"]
+
+#: Exit status after Ctrl-C, by the shells' convention.
+_INTERRUPTED = 130
 
 #: click's errors, wherever this version of typer keeps them.
 _click: Any = sys.modules[typer.BadParameter.__module__]
@@ -76,8 +83,30 @@ def main(arguments: list[str] | None = None) -> NoReturn:
 
 def run(arguments: list[str] | None) -> int:
     """Run the command line and return its exit status."""
+    with interrupted_by_signals() as status_of_interruption, _log_on_stderr():
+        status = _run(arguments)
+    if status != _INTERRUPTED:  # typer makes an exit of an interruption, too
+        return status
+    say("gemrender: interrupted")
+    return status_of_interruption()
+
+
+@contextlib.contextmanager
+def _log_on_stderr() -> Iterator[None]:
+    """Show the warnings that parts of gemrender log, as the commands' own messages."""
+    handler = logging.Handler(logging.WARNING)
+    handler.emit = lambda record: say(f"gemrender: {record.getMessage()}")  # type: ignore[method-assign]
+    log = logging.getLogger("gemrender")
+    log.addHandler(handler)
     try:
-        status = int(app(arguments, standalone_mode=False) or 0)
+        yield
+    finally:
+        log.removeHandler(handler)
+
+
+def _run(arguments: list[str] | None) -> int:
+    try:
+        return int(app(arguments, standalone_mode=False) or 0)
     except OptionError as refused:
         return _fail(refused.error)
     except InputError as error:
@@ -87,16 +116,13 @@ def run(arguments: list[str] | None) -> int:
     except _click.UsageError as error:
         return _fail(_usage_error(error))
     except (KeyboardInterrupt, typer.Abort):
-        status = 130
+        return _INTERRUPTED
     except BrokenPipeError:  # the reader has seen enough
         return 1
     except OSError as error:  # a full disk behind stdout, for one
         return _fail(GemrenderError(f"input or output failed: {error.strerror or error}"))
     except MemoryError:
         return _fail(GemrenderError("out of memory; a smaller --resolution needs less"))
-    if status == 130:  # typer makes an exit of an interruption
-        say("gemrender: interrupted")
-    return status
 
 
 def _fail(error: GemrenderError) -> int:

@@ -19,6 +19,7 @@ __all__ = [
     "VISIBLE_NM",
     "Material",
     "carat_to_girdle_diameter_mm",
+    "checked_density",
     "checked_range",
     "constant_index",
 ]
@@ -80,13 +81,7 @@ class Material:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "range_nm", checked_range(self.range_nm))
-        if self.density is not None:
-            low, high = DENSITY_RANGE
-            if not finite(self.density) or not low <= self.density <= high:
-                raise InputError(
-                    f"must be a number from {low:g} to {high:g} g/cm3", key="density", value=self.density
-                )
-            object.__setattr__(self, "density", float(self.density))
+        object.__setattr__(self, "density", checked_density(self.density))
         self._check_index()
         if self.absorption is not None:
             for i, value in enumerate(self.absorption.values):
@@ -213,6 +208,22 @@ def carat_to_girdle_diameter_mm(carat: float, volume: float, density: float) -> 
             raise InputError("must be a finite number above 0", key=key, value=value)
     volume_mm3 = 1000.0 * _CARAT_G * carat / density
     return float(2.0 * (volume_mm3 / volume) ** (1 / 3))
+
+
+def checked_density(density: Any) -> float | None:
+    """Return a density [g/cm^3] that a gem may have, None where it is not known.
+
+    Raises
+    ------
+    InputError
+        It is no number within `DENSITY_RANGE`.
+    """
+    if density is None:
+        return None
+    low, high = DENSITY_RANGE
+    if not finite(density) or not low <= density <= high:
+        raise InputError(f"must be a number from {low:g} to {high:g} g/cm3", key="density", value=density)
+    return float(density)
 
 
 def checked_range(range_nm: Sequence[float]) -> tuple[float, float]:

@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from gemrender.errors import InputError
+from gemrender.mistakes import Mistakes
 from gemrender.optics.dispersion import Dispersion, Formula
-from gemrender.optics.material import Material, checked_range
+from gemrender.optics.material import Material, checked_density, checked_range
 from gemrender.optics.materials import find_material, material_names, normal_name
 from gemrender.optics.tabulated import Table
 from gemrender.reading import (
@@ -97,22 +98,41 @@ def _from_toml(path: Path) -> Material:
 
 
 def _made(top: dict[str, Any], path: Path) -> Material:
-    refuse_unknown(top, _TOP)
-    name = text_line(top, "name", stem(path, "material"), LONGEST_NAME, empty=True)
-    if not name:
-        raise InputError(f"must be one line of 1 to {LONGEST_NAME} characters", key="name", value=name)
-    if "index" not in top:
-        raise InputError(f"missing; needs {_FORMS}", key="[index]")
-    dispersion, range_nm = _dispersion(section(top, "index", (*_FORMULA, *_TABLE)))
+    with Mistakes() as mistakes:
+        mistakes.of(refuse_unknown, top, _TOP)
+        name = mistakes.of(text_line, top, "name", stem(path, "material"), LONGEST_NAME, empty=True)
+        if name == "":
+            allowed = f"must be one line of 1 to {LONGEST_NAME} characters"
+            mistakes.add(InputError(allowed, key="name", value=name))
+        texts = {
+            "source": mistakes.of(text_line, top, "source", str(path), LONGEST_TEXT, empty=True),
+            "note": mistakes.of(text_line, top, "note", "", LONGEST_TEXT, empty=True),
+        }
+        mistakes.of(checked_density, top.get("density"))
+        absorption = mistakes.of(_absorption, top, mistakes)
+        index = mistakes.of(_index, top, mistakes)
+    assert name is not None
+    assert index is not None
+    dispersion, range_nm = index
     return Material(
         name=name,
         dispersion=dispersion,
         range_nm=range_nm,
-        source=text_line(top, "source", str(path), LONGEST_TEXT, empty=True),
-        note=text_line(top, "note", "", LONGEST_TEXT, empty=True),
         density=top.get("density"),
-        absorption=_absorption(top),
+        absorption=absorption,
+        **{key: str(text) for key, text in texts.items()},
     )
+
+
+def _index(top: dict[str, Any], mistakes: Mistakes) -> tuple[Dispersion, tuple[float, float]] | None:
+    """Return the dispersion and its range; None where there are mistakes, which are kept."""
+    if "index" not in top:
+        raise InputError(f"missing; needs {_FORMS}", key="[index]")
+    before = len(mistakes.errors)
+    index = section(top, "index", (*_FORMULA, *_TABLE), mistakes=mistakes)
+    if len(mistakes.errors) > before:
+        return None
+    return _dispersion(index)
 
 
 def _dispersion(index: dict[str, Any]) -> tuple[Dispersion, tuple[float, float]]:
@@ -121,18 +141,28 @@ def _dispersion(index: dict[str, Any]) -> tuple[Dispersion, tuple[float, float]]
         has = "has keys of both" if by_formula else "has none of them"
         raise InputError(f"needs exactly one of: {_FORMS}; {has}", key="[index]")
     refuse_missing(index, _FORMULA if by_formula else _TABLE, "index")
-    with told_at(None, "index"):
+    with told_at(None, "index"), Mistakes() as mistakes:
         if by_formula:
-            formula = Formula(formula=index["formula"], coefficients=index["coefficients"])
-            return formula, checked_range(index["range_nm"])
-        table = Table(wavelength_nm=index["wavelength_nm"], values=index["n"], key="n")
-        return table, checked_range((table.wavelength_nm[0], table.wavelength_nm[-1]))
+            made: Dispersion | None = mistakes.of(
+                Formula, formula=index["formula"], coefficients=index["coefficients"]
+            )
+            ends = index["range_nm"]
+        else:
+            made = Table(wavelength_nm=index["wavelength_nm"], values=index["n"], key="n")
+            ends = (made.wavelength_nm[0], made.wavelength_nm[-1])
+        range_nm = mistakes.of(checked_range, ends)
+    assert made is not None
+    assert range_nm is not None
+    return made, range_nm
 
 
-def _absorption(top: dict[str, Any]) -> Table | None:
+def _absorption(top: dict[str, Any], mistakes: Mistakes) -> Table | None:
     if "absorption" not in top:
         return None
-    absorption = section(top, "absorption", _ABSORPTION)
+    before = len(mistakes.errors)
+    absorption = section(top, "absorption", _ABSORPTION, mistakes=mistakes)
+    if len(mistakes.errors) > before and len(absorption) < len(_ABSORPTION):
+        return None
     refuse_missing(absorption, _ABSORPTION, "absorption")
     with told_at(None, "absorption"):
         return Table(wavelength_nm=absorption["wavelength_nm"], values=absorption["per_mm"], key="per_mm")

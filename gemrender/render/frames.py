@@ -2,26 +2,31 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
-import json
+import shutil
 from collections.abc import Callable, Sequence
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+import gemrender
 from gemrender.errors import InputError
+from gemrender.journal import Journal, OtherWorkError
+from gemrender.reading import open_file, reason
 from gemrender.render.film_files import check_film, encode_film
 from gemrender.render.finish import denoised, developed, exposure_of
 from gemrender.render.photoreal import render
 from gemrender.render.picture_files import write_png
 from gemrender.scene.photoreal import Gem
 from gemrender.scene.setup import Setup
-from gemrender.writing import write_whole
+from gemrender.writing import TEMPORARY_PREFIX, write_whole
 
 __all__ = ["check_film", "render_film"]
 
-_SETTINGS = "settings.json"
+_JOURNAL = "journal.jsonl"
 
 
 def render_film(
@@ -40,7 +45,8 @@ def render_film(
     """Render one turn of the stones about the vertical as a film.
 
     Frames are kept in a folder beside the film, named after it, until the film is written. Where that folder
-    holds frames of the same film, only the missing ones are rendered.
+    holds frames of the same film, only the missing ones are rendered, and those that are no longer what its
+    journal says was written.
 
     Parameters
     ----------
@@ -60,66 +66,97 @@ def render_film(
     Raises
     ------
     InputError
-        The folder holds frames of something else, or a file that cannot be written.
+        The folder holds frames of something else, or is in use, or a file cannot be written.
     KeyboardInterrupt
         Interrupted; the frames that are done are kept.
     """
     check_film(path, options["width"], options["height"], frames, fps)
     folder = path.with_name(f"{path.name}.frames")
-    settings = _prepare(folder, _fingerprint(gems, setup, frames, ev, curve, denoise, options))
+    head = {"film": _fingerprint(gems, setup, frames, ev, curve, denoise, options)}
     files = [folder / f"{k:05d}.png" for k in range(frames)]
-    for k, file in enumerate(files):
-        if file.is_file():
-            continue
-        picture = render(
-            gems, setup, turn_deg=360.0 * k / frames, turntable=True, progress=progress(k), **options
-        )
-        if picture.stopped == "interrupted":  # a frame that is not done is none
-            raise KeyboardInterrupt
-        if denoise:
-            picture = denoised(picture)
-        if "exposure" not in settings:
-            settings["exposure"] = exposure_of(picture, setup, ev=ev)
-            _write_settings(folder, settings)
-        write_png(file, developed(picture, setup, exposure=settings["exposure"], curve=curve))
     about = {"title": ", ".join(f"{gem.stone.name} ({gem.material.name})" for gem in gems)}
     about["description"] = f"set-up {setup.name}, one turn in {frames} frames"
-    write_whole(path.parent, {path.name: lambda made: encode_film(made, files, fps, **about)})
-    for file in (*files, folder / _SETTINGS):
-        file.unlink()
-    folder.rmdir()
+    with _journal(folder, head, frames) as journal:
+        exposure = _exposure(journal)
+        for k, file in enumerate(files):
+            if journal.known.get(k) == (exposure, _digest(file)):
+                continue
+            picture = render(
+                gems, setup, turn_deg=360.0 * k / frames, turntable=True, progress=progress(k), **options
+            )
+            if picture.stopped == "interrupted":  # a frame that is not done is none
+                raise KeyboardInterrupt
+            if denoise:
+                picture = denoised(picture)
+            if exposure is None:
+                exposure = exposure_of(picture, setup, ev=ev)
+            write_png(file, developed(picture, setup, exposure=exposure, curve=curve))
+            journal.add(k, exposure, _digest(file))
+        # Encoded in there first, where what a killed process leaves is found and removed.
+        (film,) = write_whole(folder, {path.name: lambda made: encode_film(made, files, fps, **about)})
+        write_whole(path.parent, {path.name: lambda made: shutil.move(film, made)})
+        for file in files:
+            file.unlink()
+        journal.remove()
+    with contextlib.suppress(OSError):  # somebody keeps something of his own there
+        folder.rmdir()
     return path
 
 
 def _fingerprint(*of: Any) -> str:
     """Return a digest of all that a frame depends on."""
     gems, setup, *others = of
-    digest = hashlib.sha256(repr((setup, others)).encode())
+    digest = hashlib.sha256(repr((gemrender.__version__, setup, others)).encode())
     for gem in gems:
         digest.update(np.ascontiguousarray(gem.stone.vertices).tobytes())
         digest.update(repr((gem.material, gem.diameter_mm, gem.stone.tilted_planes)).encode())
     return digest.hexdigest()
 
 
-def _prepare(folder: Path, fingerprint: str) -> dict[str, Any]:
-    """Make the folder of frames, or take up the one that is there; return its settings."""
-    file = folder / _SETTINGS
+def _journal(folder: Path, head: dict[str, Any], frames: int) -> Journal:
+    """Make the folder of frames, or take up the one that is there; return its journal."""
+
+    def entry(line: Any) -> tuple[int, tuple[float, str]]:
+        k, exposure, digest = line
+        if type(k) is not int or not 0 <= k < frames:
+            raise ValueError("is no number of a frame")
+        if type(exposure) not in (int, float) or not isfinite(exposure) or exposure <= 0:
+            raise ValueError("is no exposure")
+        if not isinstance(digest, str):
+            raise TypeError("is no digest")
+        return k, (float(exposure), digest)
+
     try:
-        if file.is_file():
-            settings = json.loads(file.read_text(encoding="utf-8"))
-            if isinstance(settings, dict) and settings.get("fingerprint") == fingerprint:
-                return settings
-        elif not folder.exists():
-            folder.mkdir(parents=True)
-            _write_settings(folder, {"fingerprint": fingerprint})
-            return {"fingerprint": fingerprint}
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"cannot be used for frames: {reason}", source=str(folder)) from error
-    raise InputError(
+        folder.mkdir(parents=True, exist_ok=True)
+        names = {file.name for file in folder.iterdir() if not file.name.startswith(TEMPORARY_PREFIX)}
+        if names and _JOURNAL not in names:
+            raise _foreign(folder)
+    except OSError as error:
+        raise InputError(f"cannot be used for frames: {reason(error)}", source=str(folder)) from error
+    try:
+        journal = Journal(folder / _JOURNAL, head, entry, work="film")
+    except OtherWorkError as error:
+        raise _foreign(folder) from error
+    for left in folder.glob(f"{TEMPORARY_PREFIX}*"):  # by a process that was killed: no other one is at it
+        shutil.rmtree(left, ignore_errors=True)
+    return journal
+
+
+def _foreign(folder: Path) -> InputError:
+    return InputError(
         "holds frames of another film; remove it, or give the film another name", source=str(folder)
     )
 
 
-def _write_settings(folder: Path, settings: dict[str, Any]) -> None:
-    write_whole(folder, {_SETTINGS: lambda made: made.write_text(json.dumps(settings), encoding="utf-8")})
+def _exposure(journal: Journal) -> float | None:
+    """Return the exposure of the frames that are done: that of the first of them."""
+    return journal.known[min(journal.known)][0] if journal.known else None
+
+
+def _digest(file: Path) -> str | None:
+    """Return a digest of what is in a file; None where it cannot be read."""
+    try:
+        with open_file(file) as opened:
+            return hashlib.file_digest(opened, "sha256").hexdigest()
+    except (OSError, InputError):
+        return None

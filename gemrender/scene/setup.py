@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
 from gemrender.errors import InputError
+from gemrender.mistakes import Mistakes
 from gemrender.reading import (
     bundled_files,
     did_you_mean,
@@ -74,13 +75,14 @@ class Camera:
     focus: float = 0.0
 
     def __post_init__(self) -> None:
-        _one_of(self, "type", CAMERAS)
-        _within(self, "elevation", -90, 90)
-        _within(self, "azimuth", -360, 360)
-        _within(self, "distance", 0.1, 1e4)
-        _within(self, "margin", 0.05, 100)
-        _within(self, "aperture", 0, 100)
-        _within(self, "focus", -1e3, 1e3)
+        with Mistakes() as mistakes:
+            mistakes.of(_one_of, self, "type", CAMERAS)
+            mistakes.of(_within, self, "elevation", -90, 90)
+            mistakes.of(_within, self, "azimuth", -360, 360)
+            mistakes.of(_within, self, "distance", 0.1, 1e4)
+            mistakes.of(_within, self, "margin", 0.05, 100)
+            mistakes.of(_within, self, "aperture", 0, 100)
+            mistakes.of(_within, self, "focus", -1e3, 1e3)
         if self.type == "thin-lens" and self.aperture == 0:
             raise InputError("must be above 0 for a thin lens", key="aperture", value=self.aperture)
         if self.focus >= self.distance:
@@ -118,24 +120,18 @@ class Light:
     spectrum: str | float = "d65"
 
     def __post_init__(self) -> None:
-        _one_of(self, "shape", LIGHTS)
-        _within(self, "elevation", -90, 90)
-        _within(self, "azimuth", -360, 360)
-        _within(self, "distance", 0.1, 1e4)
-        _within(self, "radiance", 0, 1e9)
-        _spectrum(self)
-        size: Any = self.size
-        if isinstance(size, (int, float)) and not isinstance(size, bool):
-            size = (size, size)
-        allowed = "must be one or two numbers above 0 [girdle radius]"
-        if not isinstance(size, (list, tuple)) or len(size) != 2:
-            raise InputError(allowed, key="size", value=self.size)
-        for value in size:
-            if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value <= 1e4:
-                raise InputError(allowed, key="size", value=self.size)
-        object.__setattr__(self, "size", (float(size[0]), float(size[1])))
-        if isinstance(self.count, bool) or not isinstance(self.count, int) or not 1 <= self.count <= 256:
-            raise InputError("must be a whole number from 1 to 256", key="count", value=self.count)
+        with Mistakes() as mistakes:
+            mistakes.of(_one_of, self, "shape", LIGHTS)
+            mistakes.of(_within, self, "elevation", -90, 90)
+            mistakes.of(_within, self, "azimuth", -360, 360)
+            mistakes.of(_within, self, "distance", 0.1, 1e4)
+            mistakes.of(_within, self, "radiance", 0, 1e9)
+            mistakes.of(_spectrum, self)
+            size = mistakes.of(_size, self.size)
+            if isinstance(self.count, bool) or not isinstance(self.count, int) or not 1 <= self.count <= 256:
+                allowed = "must be a whole number from 1 to 256"
+                mistakes.add(InputError(allowed, key="count", value=self.count))
+        object.__setattr__(self, "size", size)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -157,9 +153,10 @@ class Sky:
     spectrum: str | float = "d65"
 
     def __post_init__(self) -> None:
-        _one_of(self, "type", SKIES)
-        _within(self, "radiance", 0, 1e9)
-        _spectrum(self)
+        with Mistakes() as mistakes:
+            mistakes.of(_one_of, self, "type", SKIES)
+            mistakes.of(_within, self, "radiance", 0, 1e9)
+            mistakes.of(_spectrum, self)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -183,9 +180,10 @@ class Ground:
     distance: float = 12.0
 
     def __post_init__(self) -> None:
-        _one_of(self, "type", GROUNDS)
-        _within(self, "reflectance", 0, 1)
-        _within(self, "distance", 3, 1e3)
+        with Mistakes() as mistakes:
+            mistakes.of(_one_of, self, "type", GROUNDS)
+            mistakes.of(_within, self, "reflectance", 0, 1)
+            mistakes.of(_within, self, "distance", 3, 1e3)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -229,14 +227,15 @@ class Setup:
     source: str | None = None
 
     def __post_init__(self) -> None:
-        _one_of(self, "pose", POSES)
-        _one_of(self, "expose_for", EXPOSURES)
+        with Mistakes() as mistakes:
+            mistakes.of(_one_of, self, "pose", POSES)
+            mistakes.of(_one_of, self, "expose_for", EXPOSURES)
+            mistakes.of(_within, self, "facing", -360, 360)
+            mistakes.of(_within, self, "gap", 0.01, 100)
+            mistakes.of(_within, self, "exposure", -20, 20)
+            mistakes.of(_spectrum, self, "white")
         if self.ground.type == "cup" and self.pose != "table-up":
             raise InputError("must be table-up in a cup", key="pose", value=self.pose)
-        _within(self, "facing", -360, 360)
-        _within(self, "gap", 0.01, 100)
-        _within(self, "exposure", -20, 20)
-        _spectrum(self, "white")
         if self.sky.radiance == 0 and not any(light.radiance > 0 for light in self.lights):
             raise InputError("needs a light or a sky with a radiance above 0", key="[[light]]")
 
@@ -260,24 +259,27 @@ def load_setup(setup: str | os.PathLike[str]) -> Setup:
             f"must be a set-up file or one of {names}{did_you_mean(name, bundled)}", key="setup", value=name
         )
     source = str(path)
-    with told_at(source):
+    with told_at(source), Mistakes() as mistakes:
         top = parse_toml(read_lines(path, kind="set-up"), kind="set-up")
         keys = [f.name for f in fields(Setup) if f.name not in ("source", "lights")]
-        refuse_unknown(top, [*keys, "light"])
+        mistakes.of(refuse_unknown, top, [*keys, "light"])
         values: dict[str, Any] = {
             key: top[key]
             for key in ("pose", "facing", "gap", "white", "expose_for", "exposure")
             if key in top
         }
-        values["name"] = text_line(top, "name", stem(path, "set-up"), 100)
-        values["about"] = text_line(top, "about", "", 1000, empty=True)
+        values["name"] = mistakes.of(text_line, top, "name", stem(path, "set-up"), 100)
+        values["about"] = mistakes.of(text_line, top, "about", "", 1000, empty=True)
+        before = len(mistakes.errors)
         for key, part in (("camera", Camera), ("sky", Sky), ("ground", Ground)):
             if key in top:
-                table = section(top, key, [f.name for f in fields(part)])
-                with told_at(None, key):
-                    values[key] = part(**table)
-        values["lights"] = _lights(top.get("light", []))
-        return Setup(**values, source=source)
+                values[key] = mistakes.of(_part, part, top, key, mistakes)
+        values["lights"] = mistakes.of(_lights, top.get("light", []), mistakes)
+        if len(mistakes.errors) > before:  # other parts in their place, for the other keys to be checked
+            values |= {"camera": Camera(), "sky": Sky(radiance=1.0), "ground": Ground(), "lights": ()}
+        made = mistakes.of(Setup, **values, source=source)
+    assert made is not None
+    return made
 
 
 def bundled_setups() -> list[str]:
@@ -292,17 +294,27 @@ def _is_file(path: Path) -> bool:
         return False
 
 
-def _lights(tables: object) -> tuple[Light, ...]:
+def _part(part: Callable[..., Any], top: dict[str, Any], key: str, mistakes: Mistakes) -> Any:
+    table = section(top, key, [f.name for f in fields(part)], mistakes=mistakes)  # type: ignore[arg-type]
+    with told_at(None, key):
+        return part(**table)
+
+
+def _lights(tables: object, mistakes: Mistakes) -> tuple[Light, ...]:
     if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
         raise InputError("must be sections: a line [[light]] before each", key="light", value=tables)
-    lights = []
-    for number, table in enumerate(tables, start=1):
-        refuse_unknown(table, [f.name for f in fields(Light)], f"light {number}")
-        with told_at(None, f"light {number}"):
-            if "shape" not in table:
-                raise InputError(f"missing; must be one of {', '.join(LIGHTS)}", key="shape")
-            lights.append(Light(**table))
-    return tuple(lights)
+    lights = [mistakes.of(_light, table, f"light {k}", mistakes) for k, table in enumerate(tables, start=1)]
+    return tuple(light for light in lights if light is not None)
+
+
+def _light(table: dict[str, Any], name: str, mistakes: Mistakes) -> Light:
+    values = section({name: table}, name, [f.name for f in fields(Light)], mistakes=mistakes)
+    with told_at(None, name), Mistakes() as own:
+        if "shape" not in table:
+            own.add(InputError(f"missing; must be one of {', '.join(LIGHTS)}", key="shape"))
+        light = own.of(Light, **{"shape": LIGHTS[0], **values})
+    assert light is not None
+    return light
 
 
 # ---- Checks --------------------------------------------------------------------------------------------
@@ -313,6 +325,20 @@ def _one_of(part: Any, key: str, allowed: Sequence[str]) -> None:
     if value not in allowed:
         hint = did_you_mean(value, allowed) if isinstance(value, str) else ""
         raise InputError(f"must be one of {', '.join(allowed)}{hint}", key=key, value=value)
+
+
+def _size(value: Any) -> tuple[float, float]:
+    """Return the two sizes that one or two numbers stand for."""
+    size = value
+    if isinstance(size, (int, float)) and not isinstance(size, bool):
+        size = (size, size)
+    allowed = "must be one or two numbers above 0 [girdle radius]"
+    if not isinstance(size, (list, tuple)) or len(size) != 2:
+        raise InputError(allowed, key="size", value=value)
+    for side in size:
+        if isinstance(side, bool) or not isinstance(side, (int, float)) or not 0 < side <= 1e4:
+            raise InputError(allowed, key="size", value=value)
+    return float(size[0]), float(size[1])
 
 
 def _within(part: Any, key: str, low: float, high: float) -> None:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from gemrender.errors import InputError
+from gemrender.mistakes import Mistakes
 from gemrender.reading import LONGEST_LINE as LONGEST_LINE
 from gemrender.reading import MOST_BYTES as MOST_BYTES
 from gemrender.reading import (
@@ -21,7 +22,6 @@ from gemrender.reading import (
     did_you_mean,
     parse_toml,
     read_lines,
-    reason,
     refuse_missing,
     refuse_unknown,
     section,
@@ -30,11 +30,12 @@ from gemrender.reading import (
     told_at,
 )
 from gemrender.stone.laboratory import REPORT_KEYS, missing_parts, read_report
-from gemrender.stone.proportions import RoundBrilliant
+from gemrender.stone.proportions import RoundBrilliant, checked_values
 from gemrender.stone.solid import Stone
 from gemrender.stone.stones import LONGEST_NAME, OneStone, Stones
 from gemrender.stone.table import is_table, open_table
 from gemrender.stone.topology import N_VERTICES, VERTEX_LABELS
+from gemrender.writing import write_whole
 
 __all__ = ["bundled_stones", "load_stone", "load_stones", "save_vertices"]
 
@@ -123,7 +124,7 @@ def save_vertices(stone: Stone, path: str | os.PathLike[str]) -> None:
     stone : Stone
         The stone; its vertices are written in its own frame [girdle radius].
     path : str or path-like
-        File to write, ending in .csv; a file that is there is replaced.
+        File to write, ending in .csv, whole or not at all; a file that is there is replaced.
 
     Raises
     ------
@@ -134,10 +135,13 @@ def save_vertices(stone: Stone, path: str | os.PathLike[str]) -> None:
         (label, *map(repr, xyz)) for label, xyz in zip(VERTEX_LABELS, stone.vertices.tolist(), strict=True)
     ]
     text = "".join(",".join(row) + "\n" for row in (_COLUMNS, *rows))
+    target = Path(path)
     try:
-        Path(path).write_text(text, encoding="utf-8", newline="\n")
-    except (OSError, ValueError) as error:  # ValueError: a path with a null character
-        raise InputError(f"cannot be written ({reason(error)})", source=os.fspath(path)) from error
+        write_whole(
+            target.parent, {target.name: lambda made: made.write_text(text, encoding="utf-8", newline="\n")}
+        )
+    except InputError as error:
+        raise InputError(error.allowed, source=os.fspath(path)) from error
 
 
 # ---- Finding files -------------------------------------------------------------------------------------
@@ -166,34 +170,65 @@ def _no_such_file(path: Path) -> str:
 
 def _from_toml(path: Path) -> Stone:
     source = str(path)
-    with told_at(source):
+    with told_at(source), Mistakes() as mistakes:
         top = parse_toml(read_lines(path, kind="stone", missing=_no_such_file(path)), kind="stone")
-        refuse_unknown(top, _TOP, hint=_home)
+        mistakes.of(refuse_unknown, top, _TOP, hint=_home)
+        name = mistakes.of(text_line, top, "name", stem(path, "stone"), LONGEST_NAME)
+        material = mistakes.of(_material, top, mistakes)
         given = [key for key in _SHAPES if key in top]
+        if not given and any(key not in _TOP for key in top):  # one of them misspelt
+            mistakes.refuse()
         if len(given) != 1:
             allowed = "needs exactly one of [proportions], [angles], [report] and vertices"
             raise InputError(f"{allowed}; has {' and '.join(given) or 'none'}")
-        name = text_line(top, "name", stem(path, "stone"), LONGEST_NAME)
-        material = _material(top)
         shape = given[0]
         if shape == "vertices":
-            return _measured(_vertices_path(top["vertices"], path), name=name, material=material, toml=path)
-        values = section(top, shape, _SECTIONS[shape], _home)
+            vertices = _vertices_path(top["vertices"], path)
+        else:
+            proportions, assumed = _proportions(top, shape, mistakes)
+    if shape == "vertices":
+        return _measured(vertices, name=str(name), material=material, toml=path)
+    assert proportions is not None
+    with told_at(source, shape):
+        return Stone.from_proportions(
+            proportions,
+            name=str(name),
+            material=material,
+            source=source,
+            description=shape,
+            assumed=assumed,
+        )
+
+
+def _proportions(
+    top: dict[str, Any], shape: str, mistakes: Mistakes
+) -> tuple[RoundBrilliant | None, tuple[str, ...]]:
+    """Return the proportions that a section gives, and what was assumed; none where it has mistakes."""
+    before = len(mistakes.errors)
+    values = section(top, shape, _SECTIONS[shape], _home, mistakes)
+    misspelt = len(mistakes.errors) > before
+
+    def made() -> tuple[RoundBrilliant | None, tuple[str, ...]]:
+        with told_at(None, shape):
+            if shape == "report":
+                if missing_parts(values):
+                    return None, ()
+                report = read_report(values)
+                return report.proportions, tuple(map(str, report.assumed))
+            if len(values) == len(_SECTIONS[shape]):
+                return (RoundBrilliant if shape == "proportions" else RoundBrilliant.from_angles)(
+                    **values
+                ), ()
+            checked_values(values)
+            return None, ()
+
+    found = mistakes.of(made)
+    if not misspelt:
         if shape != "report":
             refuse_missing(values, _SECTIONS[shape], shape)
         elif missing := missing_parts(values):
             raise InputError(f"needs {missing}", key="[report]")
-    assumed: tuple[str, ...] = ()
-    with told_at(source, shape):
-        if shape == "report":
-            report = read_report(values)
-            proportions, assumed = report.proportions, tuple(map(str, report.assumed))
-        else:
-            make = RoundBrilliant if shape == "proportions" else RoundBrilliant.from_angles
-            proportions = make(**values)
-        return Stone.from_proportions(
-            proportions, name=name, material=material, source=source, description=shape, assumed=assumed
-        )
+    return found or (None, ())
 
 
 def _home(key: str) -> str:
@@ -202,12 +237,15 @@ def _home(key: str) -> str:
     return f"; it belongs in {' or '.join(homes)}" if homes else ""
 
 
-def _material(top: dict[str, Any]) -> str | float | None:
+def _material(top: dict[str, Any], mistakes: Mistakes) -> str | float | None:
     """Return the material's name or index; whether there is such a material is for the optics to say."""
     if "material" not in top:
         return None
-    material = section(top, "material", _SECTIONS["material"], _home)
+    before = len(mistakes.errors)
+    material = section(top, "material", _SECTIONS["material"], _home, mistakes)
     if len(material) != 1:
+        if not material and len(mistakes.errors) > before:  # one of them misspelt
+            return None
         raise InputError(
             f"needs exactly one of name and index; has {'both' if material else 'none'}", key="[material]"
         )

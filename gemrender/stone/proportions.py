@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
 from gemrender.errors import InputError
+from gemrender.mistakes import Mistakes
 from gemrender.stone.topology import (
     CONTACT,
     CULET,
@@ -88,9 +90,8 @@ class RoundBrilliant:
     girdle_thickness: float
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value = number_within(field.name, getattr(self, field.name))
-            object.__setattr__(self, field.name, value)
+        for key, value in checked_values(asdict(self)).items():
+            object.__setattr__(self, key, value)
         smallest = smallest_star(self.table)
         if self.star < smallest:
             raise InputError(
@@ -131,10 +132,9 @@ class RoundBrilliant:
         InputError
             As for the class, told in the report's own terms.
         """
-        table = number_within("table", table)
-        crown = number_within("crown_angle", crown_angle)
-        pavilion = number_within("pavilion_angle", pavilion_angle)
-        lower = number_within("lower_half", lower_half)
+        given = {"table": table, "crown_angle": crown_angle, "pavilion_angle": pavilion_angle}
+        given |= {"star": star, "lower_half": lower_half, "girdle_thickness": girdle_thickness}
+        table, crown, pavilion, _, lower, _ = checked_values(given).values()
         return cls(
             table=table,
             star=star,
@@ -256,6 +256,26 @@ def number_within(key: str, value: object, low_high: tuple[float, float] | None 
     if not low <= number <= high:  # false for NaN too
         raise InputError(f"must be from {low:g} to {high:g} [{unit}]", key=key, value=value)
     return number
+
+
+def checked_values(values: Mapping[str, Any]) -> dict[str, float]:
+    """Return proportions and angles as floats, each within its range alone.
+
+    Parameters
+    ----------
+    values : mapping of str to object
+        By the keys of `RANGES` and `ANGLE_RANGES`.
+
+    Raises
+    ------
+    InputError
+        For each that is no number, or out of its range.
+    """
+    numbers: dict[str, Any] = {}
+    with Mistakes() as mistakes:
+        for key, value in values.items():
+            numbers[key] = mistakes.of(number_within, key, value)
+    return numbers
 
 
 def smallest_star(table: float) -> float:

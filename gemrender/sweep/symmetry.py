@@ -5,12 +5,12 @@ Each draw has a seed of its own, so that a study can be stopped and resumed, and
 
 from __future__ import annotations
 
-import json
-import multiprocessing
+import contextlib
 import os
-from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from collections.abc import Callable, Generator, Iterable
 from dataclasses import asdict, dataclass
+from functools import partial
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,9 @@ import numpy as np
 
 from gemrender.engines import DEFAULT_ENGINE, DEFAULT_VARIANT, engine_for, require_engine
 from gemrender.errors import InputError
+from gemrender.journal import Journal
 from gemrender.stone import Stone, tessellate
+from gemrender.sweep.workers import in_processes
 
 __all__ = ["MOST_DRAWS", "SymmetryStudy", "check_study", "draw_stone", "study_symmetry"]
 
@@ -29,6 +31,8 @@ MOST_TILT_DEG = 5.0
 MOST_JITTER = 0.05
 #: A draw that makes no stone (facets that vanish, vertices out of order) is drawn again so many times.
 MOST_ATTEMPTS = 100
+#: What scores may be off 0 to 100 % by, as rounding may have it [%].
+_ROUNDING = 1e-3
 #: Draws that a process makes at a time: enough to hide the hand-over, few enough for a lively progress.
 _BATCH = 4
 
@@ -103,7 +107,7 @@ def draw_stone(stone: Stone, tilt_deg: float, jitter: float, seed: int, number: 
             last = error
         else:
             return drawn
-    raise InputError(f"makes no stone in {MOST_ATTEMPTS} draws: {last}", key="jitter" if jitter else "tilt",
+    raise InputError(f"makes no stone in {MOST_ATTEMPTS} draws: {last}", key="jitter" if jitter else "deviation",
                      value=jitter or tilt_deg) from last  # fmt: skip
 
 
@@ -134,7 +138,8 @@ def study_symmetry(
     options : dict, optional
         Further arguments of `gemrender.observe`: engine, variant, resolution (256 by default) ...
     journal : Path, optional
-        File that every score is added to when it is known; a study that was stopped goes on from it.
+        File that every score is added to when it is known; a study that was stopped, however that came
+        about, goes on from it (`gemrender.journal.Journal`).
     processes : int, optional
         Processes to use; by default one a processor.
     progress : callable, optional
@@ -143,7 +148,9 @@ def study_symmetry(
     Raises
     ------
     InputError
-        A value out of range, or a journal of another study.
+        A value out of range, or a journal that is of another study or in use.
+    GemrenderError
+        Processes were lost again and again, as where memory runs out; what is in the journal is kept.
     """
     check_study([stone], tilt_deg=tilt_deg, jitter=jitter, draws=draws, seed=seed)
     options = {"resolution": 256, **(options or {})}
@@ -157,16 +164,20 @@ def study_symmetry(
         "seed": seed,
         "options": options,
     }
-    known = _read_journal(journal, head) if journal is not None else {}
-    known = {number: scores for number, scores in known.items() if number < draws}
-    missing = [number for number in range(-1, draws) if number not in known]  # -1: the stone itself
-    for number, scores in _scores(stone, tilt_deg, jitter, seed, missing, options, processes):
-        known[number] = scores
+    with contextlib.ExitStack() as stack:
+        kept = None
         if journal is not None:
-            with journal.open("a", encoding="utf-8") as file:
-                file.write(json.dumps([number, *scores]) + "\n")
-        if progress is not None:
-            progress(len(known) / (draws + 1))
+            kept = stack.enter_context(Journal(journal, head, _entry, work="study"))
+        known: dict[int, tuple[float, float]] = {} if kept is None else kept.known
+        known = {number: scores for number, scores in known.items() if number < draws}
+        missing = [number for number in range(-1, draws) if number not in known]  # -1: the stone itself
+        work = partial(_score_batch, stone, tilt_deg, jitter, seed, options)
+        for number, scores in stack.enter_context(contextlib.closing(_scores(work, missing, processes))):
+            known[number] = scores
+            if kept is not None:
+                kept.add(number, *scores)
+            if progress is not None:
+                progress(len(known) / (draws + 1))
     return SymmetryStudy(
         name=stone.name,
         tilt_deg=0.0 if jitter else tilt_deg,
@@ -182,7 +193,7 @@ def study_symmetry(
 def check_study(stones: Iterable[Stone], *, tilt_deg: float, jitter: float, draws: int, seed: int) -> None:
     """Refuse values out of range, and stones that facets cannot be tilted of, before any work is done."""
     for key, value, low, high in (
-        ("tilt", tilt_deg, 0.0, MOST_TILT_DEG),
+        ("deviation", tilt_deg, 0.0, MOST_TILT_DEG),
         ("jitter", jitter, 0.0, MOST_JITTER),
         ("draws", draws, 1, MOST_DRAWS),
         ("seed", seed, 0, 2**63 - 1),
@@ -197,65 +208,34 @@ def check_study(stones: Iterable[Stone], *, tilt_deg: float, jitter: float, draw
             )
 
 
-def _read_journal(journal: Path, head: dict[str, Any]) -> dict[int, tuple[float, float]]:
-    """Scores that an earlier run has left; starts the journal where there is none."""
-    line = json.dumps(head)
-    try:
-        if not journal.exists():
-            journal.write_text(line + "\n", encoding="utf-8")
-            return {}
-        lines = journal.read_text(encoding="utf-8").splitlines()
-        if not lines or json.loads(lines[0]) != json.loads(line):
-            raise InputError(
-                "is the journal of another study; remove it, or name another folder", source=str(journal)
-            )
-        known = {}
-        for text in lines[1:]:
-            try:
-                number, average, rear = json.loads(text)
-            except ValueError:  # the line that was being written when the run was stopped
-                continue
-            known[int(number)] = (float(average), float(rear))
-        if not journal.read_text(encoding="utf-8").endswith("\n"):
-            with journal.open("a", encoding="utf-8") as file:
-                file.write("\n")
-        return known
-    except OSError as error:
-        raise InputError(f"cannot be written: {error.strerror}", source=str(journal)) from error
-    except json.JSONDecodeError as error:
-        raise InputError("is not the journal of a study", source=str(journal)) from error
+def _entry(line: Any) -> tuple[int, tuple[float, float]]:
+    """Return number and scores of a draw from a journal's line; ValueError or TypeError if it has none."""
+    number, average, rear = line
+    if type(number) is not int or not -1 <= number < MOST_DRAWS:
+        raise ValueError("is no number of a draw")
+    for score in (average, rear):
+        if type(score) not in (int, float) or not isfinite(score) or abs(score - 50) > 50 + _ROUNDING:
+            raise ValueError("is no score")
+    return number, (float(average), float(rear))
 
 
 def _scores(
-    stone: Stone,
-    tilt_deg: float,
-    jitter: float,
-    seed: int,
+    work: Callable[[int | None, list[int]], list[tuple[int, tuple[float, float]]]],
     numbers: list[int],
-    options: dict[str, Any],
     processes: int | None,
-) -> Iterator[tuple[int, tuple[float, float]]]:
+) -> Generator[tuple[int, tuple[float, float]], None, None]:
     """Score the draws of these numbers, in any order."""
     batches = [numbers[i : i + _BATCH] for i in range(0, len(numbers), _BATCH)]
-    work = (stone, tilt_deg, jitter, seed, options)
     count = min(processes or os.cpu_count() or 1, len(batches))
     if count <= 1:
         for batch in batches:
-            yield from _score_batch(*work, batch, None)
+            yield from work(None, batch)
         return
-    # Spawned, since Mitsuba does not survive a fork; each with its share of the processors.
+    # Each with its share of the processors.
     threads = max(1, (os.cpu_count() or 1) // count)
-    pool = ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"))
-    try:
-        waiting: set[Future[list[tuple[int, tuple[float, float]]]]] = {
-            pool.submit(_score_batch, *work, batch, threads) for batch in batches
-        }
-        while waiting:
-            done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
-            for future in done:
-                yield from future.result()
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
+    with contextlib.closing(in_processes(partial(work, threads), batches, count)) as results:
+        for scores in results:
+            yield from scores
 
 
 def _score_batch(
@@ -264,8 +244,8 @@ def _score_batch(
     jitter: float,
     seed: int,
     options: dict[str, Any],
-    numbers: list[int],
     threads: int | None,
+    numbers: list[int],
 ) -> list[tuple[int, tuple[float, float]]]:
     from gemrender.score import score
 

@@ -17,7 +17,9 @@ PACKAGE = Path(gemrender.__file__).parent
 #: own line; those on one line do not know each other.
 LAYERS: list[dict[str, set[str]]] = [
     {"errors": set()},
-    {"writing": set(), "reading": set(), "progress": set()},
+    {"mistakes": set()},
+    {"writing": set(), "reading": set(), "progress": set(), "interruption": set()},
+    {"journal": set()},
     {"stone": {"numpy"}, "optics": {"numpy"}},
     {"colorimetry": {"numpy", "colour"}},
     {"observation": {"numpy"}},

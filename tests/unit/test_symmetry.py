@@ -11,12 +11,14 @@ from gemrender.errors import InputError
 from gemrender.report.symmetry import study_table, write_symmetry_figure
 from gemrender.stone import Stone, load_stone
 from gemrender.sweep import SymmetryStudy, study_symmetry
-from gemrender.sweep.symmetry import draw_stone
-from tests.observations import run_gemrender
+from gemrender.sweep.symmetry import _entry, draw_stone
+from tests.observations import run_gemrender, run_python
 
 STONE = load_stone("inoue-2")
 #: A small study that needs no Mitsuba.
 SMALL = {"draws": 5, "seed": 3, "options": {"engine": "reference", "resolution": 24}, "processes": 1}
+#: One that takes no time.
+TINY = {**SMALL, "options": {"engine": "reference", "resolution": 6}}
 #: The published Rear of sample 2 [%], a stone as measured.
 PAPER_REAR = 18.2
 
@@ -49,7 +51,68 @@ def test_a_stopped_study_goes_on_to_the_same_end(tmp_path):
     known = text.count("\n")
     assert study_symmetry(STONE, **SMALL, journal=journal) == whole
     assert journal.read_text().startswith(text)
-    assert len(journal.read_text().splitlines()) == known + 1 + 2, "only what was missing is drawn"
+    assert len(journal.read_text().splitlines()) == known + 2, "only what was missing is drawn"
+
+
+@pytest.mark.parametrize(
+    "line",
+    [[2, 47.0], [2, "47", 20], [2, 100.1, 20], [2, 47, -1], {}, [2.5, 1, 1], [True, 1, 1], [-2, 1, 1], 2],
+)
+def test_a_line_that_is_no_draws_is_none(line):
+    with pytest.raises((ValueError, TypeError)):
+        _entry(line)
+
+
+def test_whole_numbers_are_scores_too():
+    assert _entry([-1, 100, 0]) == (-1, (100.0, 0.0))
+
+
+def test_a_line_that_is_no_draws_is_drawn_again(tmp_path, caplog):
+    journal = tmp_path / "study.jsonl"
+    whole = study_symmetry(STONE, **TINY, journal=journal)
+    head, *lines = journal.read_text().splitlines()
+    lines = ["[2, NaN, 20.0]" if json.loads(old)[0] == 2 else old for old in lines]
+    journal.write_text("\n".join([head, *lines, ""]))
+    assert study_symmetry(STONE, **TINY, journal=journal) == whole
+    assert "a line that is no entry is left out" in caplog.text
+
+
+#: A study of which one process, or all, are killed after some draws.
+SCRIPT = """
+import multiprocessing, os, pathlib, signal, sys
+from gemrender.errors import GemrenderError
+from gemrender.stone import load_stone
+from gemrender.sweep import study_symmetry
+
+what, journal, done = sys.argv[1], pathlib.Path(sys.argv[2]), 0
+
+def progress(share):
+    global done
+    done += 1
+    if what == "all" and done == 5:
+        os.kill(os.getpid(), signal.SIGKILL)
+    if what == "one" and done == 2:
+        for process in multiprocessing.active_children()[:1]:
+            os.kill(process.pid, signal.SIGKILL)
+
+if __name__ == "__main__":
+    try:
+        study_symmetry(load_stone("inoue-2"), draws=9, seed=3, processes=2, journal=journal,
+                       options={"engine": "reference", "resolution": 6}, progress=progress)
+    except GemrenderError as error:
+        sys.exit(f"gemrender: {error}")
+"""
+
+
+@pytest.mark.parametrize(("what", "status"), [("all", -9), ("one", 0)])
+def test_a_study_survives_what_is_killed(what, status, tmp_path):
+    journal = tmp_path / "study.jsonl"
+    done = run_python("-c", SCRIPT, what, str(journal))
+    assert (done.returncode, done.stdout, "Traceback" in done.stderr) == (status, "", False)
+    assert done.stderr.count("its work is done again") == (what == "one")
+    study = {**TINY, "draws": 9}
+    assert len(journal.read_text().splitlines()) >= 6
+    assert study_symmetry(STONE, **study, journal=journal) == study_symmetry(STONE, **study)
 
 
 def test_the_journal_of_another_study_is_refused_and_left(tmp_path):
@@ -135,8 +198,8 @@ def test_command_prints_json():
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--tilt", "x"], "--tilt = 'x': must be a finite number of degrees"),
-        (["--tilt", "9"], "--tilt = 9.0: must be from 0 to 5"),
+        (["--deviation", "x"], "--deviation = 'x': must be a finite number of degrees"),
+        (["--deviation", "9"], "--deviation = 9.0: must be from 0 to 5"),
         (["--draws", "0"], "--draws = 0: must be from 1 to 100000"),
         (["--jitter", "1"], "--jitter = 1.0: must be from 0 to 0.05"),
     ],
