@@ -12,6 +12,7 @@ import importlib.metadata
 import os
 import platform
 import re
+import shlex
 import subprocess
 import sys
 from collections.abc import Iterable, Iterator
@@ -21,7 +22,15 @@ from typing import Literal
 
 from gemrender.render.cures import backend_error, cure_for_missing, last_words
 
-__all__ = ["LLVM_FLOOR", "LLVM_VARIABLE", "LlvmLibrary", "find_llvm", "prepare_llvm", "require_loadable"]
+__all__ = [
+    "LLVM_FLOOR",
+    "LLVM_VARIABLE",
+    "LlvmLibrary",
+    "export_line",
+    "find_llvm",
+    "prepare_llvm",
+    "require_loadable",
+]
 
 #: Lowest major version that gemrender runs with.
 LLVM_FLOOR = 17
@@ -114,6 +123,26 @@ def require_loadable(library: LlvmLibrary) -> None:
     except OSError as error:
         _, cure = cure_for_missing(str(error)) or ("", _llvm_cure())
         raise backend_error(f"Dr.Jit cannot load LLVM {library.path} ({error})", cure) from error
+
+
+def export_line() -> str:
+    """Return the line for a shell (sh, bash, zsh) that names the LLVM library to what the shell starts.
+
+    After ``eval "$(gemrender doctor --export)"`` the program ``mitsuba`` works, as do others' scripts.
+
+    Returns
+    -------
+    str
+        As in ``export DRJIT_LIBLLVM_PATH=/usr/lib/libLLVM.so.19.1``, quoted where the path needs it.
+
+    Raises
+    ------
+    BackendError
+        As `find_llvm` and `require_loadable`.
+    """
+    library = find_llvm()
+    require_loadable(library)
+    return f"export {LLVM_VARIABLE}={shlex.quote(str(library.path))}"
 
 
 def _llvm_named_by_user(named: str) -> LlvmLibrary:

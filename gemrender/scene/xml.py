@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -131,17 +132,21 @@ def _write(
 
 def _heading(what: str, name: str, variant: str) -> str:
     """Return a comment that says what the file is and how to read it."""
-    return _comment(f"""{what}, written by gemrender scene. To read it in Python:
-    from gemrender.render.backend import ensure_variant
-    ensure_variant("{variant}")
-    import mitsuba
-    scene = mitsuba.load_file("{name}.xml")
+    how = "To render it, in Python (the program mitsuba lacks its plugins):"
+    return _comment(f"""{what}, written by gemrender scene. {how}
+    import gemrender
+    mi = gemrender.mitsuba("{variant}")
+    scene = mi.load_file("{name}.xml")
+    image = mi.render(scene)
 """)
 
 
 def _stock_heading(what: str, name: str) -> str:
+    # No comment may hold two hyphens together, so doctor's option is written in its short form.
     return _comment(f"""{what}, written by gemrender scene. To render it:
-    mitsuba {name}.xml
+    eval "$(gemrender doctor -e)"
+    mitsuba {shlex.quote(f"{name}.xml")}
+The first line tells mitsuba which LLVM to use, in DRJIT_LIBLLVM_PATH; once in a shell is enough.
 """)
 
 
