@@ -19,6 +19,7 @@ LAYERS: list[dict[str, set[str]]] = [
     {"errors": set()},
     {"writing": set(), "reading": set()},
     {"stone": {"numpy"}, "optics": {"numpy"}},
+    {"templates": set()},
     {"colorimetry": {"numpy", "colour"}},
     {"observation": {"numpy"}},
     {"reference": {"numpy"}},
