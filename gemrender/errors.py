@@ -44,7 +44,7 @@ class InputError(GemrenderError, ValueError):
     def __str__(self) -> str:
         what = self.key or ""
         if self.value is not ...:
-            shown = _one_line(repr(self.value))
+            shown = _one_line(_shown(self.value))
             what = f"{what} = {shown}" if what else shown
         return ": ".join(_one_line(part, 2000) for part in (self.source, what, self.allowed) if part)
 
@@ -56,6 +56,13 @@ class InputError(GemrenderError, ValueError):
 
 class BackendError(GemrenderError, RuntimeError):
     """Mitsuba, Dr.Jit or LLVM cannot run on this machine; the message ends with the cure."""
+
+
+def _shown(value: object) -> str:
+    try:
+        return repr(value)
+    except (RecursionError, ValueError):  # nested a thousand deep; a whole number of more than 4300 digits
+        return f"({type(value).__name__})"
 
 
 def _one_line(text: str, most: int = 60) -> str:

@@ -292,6 +292,8 @@ WRONG = [
     ("not UTF-8", b"name = '\xff'", "must be text in UTF-8; byte 9 is not"),
     ("too big", "#" * 99 + "\n" + ("#" * 99 + "\n") * 10_000, "is no material file: larger than 1000000"),
     ("nested", "a = " + "[" * 3000 + "]" * 3000, "line 1: is 6004 characters long"),
+    ("nested keys", f"a{'.a' * 1700} = 1", "a = (dict): unknown key"),
+    ("nested sections", f"[index{'.a' * 1500}]\n{'.'.join('b' * 1500)} = 1", "index.a = (dict): unknown key"),
     ("huge number", "density = 0x" + "f" * 3400 + "\n" + BY_TABLE, "density = "),
     ("unknown key", "colour = 'red'\n" + BY_TABLE, "colour = 'red': unknown key; must be one of name, "),
     ("slip", "densty = 3\n" + BY_TABLE, "did you mean density?"),
