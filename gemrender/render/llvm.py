@@ -37,6 +37,20 @@ LLVM_FLOOR = 17
 #: Environment variable that names the library to Dr.Jit.
 LLVM_VARIABLE = "DRJIT_LIBLLVM_PATH"
 _LLVM_WHEEL = "karellen-llvm-core"
+#: Where LLVM is: Homebrew's on either processor, MacPorts'; Debian's, WSL's, Fedora's and SUSE's, Arch's.
+_MACOS_FOLDERS = (
+    "opt/homebrew/Cellar/llvm*/*/lib",
+    "usr/local/Cellar/llvm*/*/lib",
+    "opt/local/libexec/llvm-*/lib",
+)
+_LINUX_FOLDERS = (
+    "usr/lib/llvm*/lib",
+    "usr/lib/wsl/lib",
+    "usr/lib64",
+    "usr/lib64/llvm*/lib",
+    "usr/local/lib",
+    "usr/lib",
+)
 
 # libLLVM.so, libLLVM-15.so.1, libLLVM-14.0.6.so, libLLVM.so.23.1, libLLVM-19.dylib; not libLLVMX86.so,
 # and not the libLLVM that Rust brings. A lone number behind ".so" is no version of LLVM (libLLVM-15.so.1).
@@ -248,21 +262,20 @@ def _system_paths() -> Iterator[Path]:
         yield Path(known)
 
 
-def _system_folders() -> Iterator[Path]:
+def _system_folders(root: Path = Path("/")) -> Iterator[Path]:
     """Yield the folders to search: where Dr.Jit looks, and where the distributions put LLVM."""
     system = platform.system()
     variable = {"Windows": "PATH", "Darwin": "DYLD_LIBRARY_PATH"}.get(system, "LD_LIBRARY_PATH")
     yield from (Path(folder) for folder in os.environ.get(variable, "").split(os.pathsep) if folder)
-    yield Path(sys.prefix) / "lib"  # conda
+    yield Path(sys.prefix, "Library", "bin") if system == "Windows" else Path(sys.prefix, "lib")  # conda
     if system == "Windows":
         yield Path(os.environ.get("PROGRAMFILES", "C:\\Program Files")) / "LLVM" / "bin"
     elif system == "Darwin":
-        for pattern in ("opt/homebrew/Cellar/llvm*/*/lib", "usr/local/Cellar/llvm*/*/lib"):
-            yield from Path("/").glob(pattern)
+        for pattern in _MACOS_FOLDERS:
+            yield from root.glob(pattern)
     else:
-        own = f"lib/{platform.machine()}-linux-gnu"
-        for pattern in (own, "lib/llvm*/lib", "lib/wsl/lib", "lib64", "lib64/llvm*/lib", "local/lib", "lib"):
-            yield from Path("/usr").glob(pattern)
+        for pattern in (f"usr/lib/{platform.machine()}-linux-gnu", *_LINUX_FOLDERS):
+            yield from root.glob(pattern)
 
 
 def _llvm_cure() -> str:

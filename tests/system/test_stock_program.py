@@ -1,14 +1,15 @@
-"""Mitsuba's own program on a scene that gemrender wrote, as the scene's heading says, from another folder."""
+"""Scenes that gemrender wrote, rendered as their headings say: by Mitsuba's own program, or in Python."""
 
 from __future__ import annotations
 
 import subprocess
 import sys
+import textwrap
 from pathlib import Path
 
 import numpy as np
 import pytest
-from observations import environment
+from observations import environment, run_python
 
 from gemrender.render.llvm import LLVM_VARIABLE, export_line
 from gemrender.render.photoreal import make_gems
@@ -25,18 +26,21 @@ MEANS = 0.01
 #: One picture twice, with sums in an order that threads choose [relative to the mean].
 LAST_BITS = 1e-5
 
-pytestmark = [
-    pytest.mark.skipif(not MITSUBA.exists(), reason="needs Mitsuba's program"),
-    pytest.mark.skipif(sys.platform == "win32", reason="needs a shell"),
-]
+needs_the_program = pytest.mark.skipif(
+    not MITSUBA.exists() or sys.platform == "win32", reason="needs Mitsuba's program, and a shell"
+)
+
+
+def written(folder, *, stock):
+    gems = make_gems([load_stone("inoue-3")])
+    made = photoreal_scene(gems, load_setup("white"), width=16, height=16, samples=256, stock=stock)
+    return write_photoreal(folder, "a scene", made, about="a stone", stock=stock)
 
 
 @pytest.fixture
 def stock(tmp_path, variant_llvm_ad_rgb):
     """A scene for Mitsuba's own program, in a folder with a blank and a quote in its name."""
-    gems = make_gems([load_stone("inoue-3")])
-    made = photoreal_scene(gems, load_setup("white"), width=16, height=16, samples=256, stock=True)
-    return write_photoreal(tmp_path / "it's mine", "a scene", made, about="a stone", stock=True)
+    return written(tmp_path / "it's mine", stock=True)
 
 
 def rendered_by_the_program(scene, variant, folder):
@@ -53,6 +57,7 @@ def rendered_by_the_program(scene, variant, folder):
     return np.array(mi.Bitmap(str(folder / "x.exr")).convert(mi.Bitmap.PixelFormat.RGB))
 
 
+@needs_the_program
 def test_the_program_renders_what_python_renders_in_both_variants(stock, tmp_path):
     import mitsuba as mi
 
@@ -71,3 +76,17 @@ def test_the_heading_has_the_lines_to_type(stock):
     typed = [line.strip() for line in heading.splitlines() if line.startswith("    ")]
     assert typed == ['eval "$(gemrender doctor -e)"', "mitsuba 'a scene.xml'"]
     assert LLVM_VARIABLE in heading
+
+
+#: What a user did before the heading's lines.
+BEFORE = ["", "import mitsuba; mitsuba.set_variant('scalar_rgb')", "import drjit, mitsuba"]
+
+
+@pytest.mark.parametrize("before", BEFORE)
+def test_the_headings_lines_of_python_render_the_scene(before, tmp_path, variant_llvm_ad_spectral):
+    path = written(tmp_path, stock=False)
+    lines = path.read_text(encoding="utf-8").partition("-->\n")[0].splitlines()
+    code = textwrap.dedent("\n".join(line for line in lines if line.startswith("    ")))
+    shown = "import numpy\nprint(mi.variant(), numpy.isfinite(numpy.array(image)).all(), image.shape[:2])"
+    done = run_python("-c", f"{before}\n{code}\n{shown}", cwd=tmp_path, environment={LLVM_VARIABLE: ""})
+    assert done.stdout == "llvm_ad_spectral True (16, 16)\n", done.stderr

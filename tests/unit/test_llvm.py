@@ -13,6 +13,9 @@ import pytest
 from gemrender.errors import BackendError
 from gemrender.render import llvm
 
+#: As it is, before a test puts another in its place.
+system_folders = llvm._system_folders
+
 
 @pytest.fixture(autouse=True)
 def _machine(monkeypatch, tmp_path):
@@ -178,6 +181,33 @@ def test_library_that_misses_another_is_told_with_the_package(monkeypatch):
     monkeypatch.setattr(llvm, "_asked_version", fail)
     with pytest.raises(BackendError, match=r"cannot load LLVM .*; to cure it: apt-get install zlib1g$"):
         llvm.require_loadable(llvm.LlvmLibrary(path=Path("libLLVM.so"), origin="wheel", version=23))
+
+
+@pytest.mark.parametrize(
+    ("system", "folder"),
+    [
+        ("Linux", "usr/lib/x86_64-linux-gnu"),  # Debian
+        ("Linux", "usr/lib/llvm-19/lib"),  # apt.llvm.org
+        ("Linux", "usr/lib64/llvm19/lib"),  # Fedora, beside its default in lib64
+        ("Linux", "usr/lib"),  # Arch
+        ("Darwin", "opt/homebrew/Cellar/llvm/19.1.7/lib"),
+        ("Darwin", "usr/local/Cellar/llvm@18/18.1.8/lib"),
+        ("Darwin", "opt/local/libexec/llvm-19/lib"),  # MacPorts
+    ],
+)
+def test_distributions_folders_are_searched(monkeypatch, tmp_path, system, folder):
+    monkeypatch.setattr(llvm.platform, "system", lambda: system)
+    (tmp_path / folder).mkdir(parents=True)
+    assert tmp_path / folder in system_folders(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("system", "folder"), [("Linux", "lib"), ("Darwin", "lib"), ("Windows", "Library/bin")]
+)
+def test_condas_folder_is_searched(monkeypatch, tmp_path, system, folder):
+    monkeypatch.setattr(llvm.platform, "system", lambda: system)
+    monkeypatch.setattr(sys, "prefix", str(tmp_path))
+    assert tmp_path / folder in system_folders(tmp_path)
 
 
 # ---- The line for a shell ------------------------------------------------------------------------------
