@@ -136,19 +136,27 @@ def _heading(what: str, name: str, variant: str) -> str:
     return _comment(f"""{what}, written by gemrender scene. {how}
     import gemrender
     mi = gemrender.mitsuba("{variant}")
-    scene = mi.load_file("{name}.xml")
+    scene = mi.load_file("{_apart(name, '""')}.xml")
     image = mi.render(scene)
 """)
 
 
 def _stock_heading(what: str, name: str) -> str:
-    # No comment may hold two hyphens together, so doctor's option is written in its short form.
+    # Hyphens that follow one another are no way to write doctor's option: it is there in its short form.
     return _comment(f"""{what}, written by gemrender scene. To render it:
     eval "$(gemrender doctor -e)"
-    mitsuba {shlex.quote(f"{name}.xml")}
+    mitsuba {_apart(shlex.quote(f"{name}.xml"), "''")}
 The first line tells mitsuba which LLVM to use, in DRJIT_LIBLLVM_PATH; once in a shell is enough.
 """)
 
 
 def _comment(text: str) -> str:
-    return f"<!-- {re.sub('-(?=-)', '- ', text)}-->\n"  # no comment may hold two hyphens together
+    return f"<!-- {_apart(text, ' ')}-->\n"
+
+
+def _apart(text: str, between: str) -> str:
+    """Put something between hyphens that follow one another, which no comment may hold.
+
+    In a name, two quotes do not change what a shell or Python makes of it.
+    """
+    return re.sub("-(?=-)", f"-{between}", text)

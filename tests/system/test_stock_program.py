@@ -18,6 +18,9 @@ from gemrender.scene.setup import load_setup
 from gemrender.scene.xml import write_photoreal
 from gemrender.stone import load_stone
 
+#: A name that takes care to write: into a shell, into Python, and into an XML comment.
+NAME = "a --- scene"
+
 MITSUBA = Path(sys.executable).with_name("mitsuba")
 
 #: Means of two pictures of 16 x 16 pixels and 256 samples, with random numbers that differ between them but
@@ -34,7 +37,7 @@ needs_the_program = pytest.mark.skipif(
 def written(folder, *, stock):
     gems = make_gems([load_stone("inoue-3")])
     made = photoreal_scene(gems, load_setup("white"), width=16, height=16, samples=256, stock=stock)
-    return write_photoreal(folder, "a scene", made, about="a stone", stock=stock)
+    return write_photoreal(folder, NAME, made, about="a stone", stock=stock)
 
 
 @pytest.fixture
@@ -70,12 +73,16 @@ def test_the_program_renders_what_python_renders_in_both_variants(stock, tmp_pat
     np.testing.assert_allclose(scalar.mean(axis=(0, 1)), expected.mean(axis=(0, 1)), rtol=MEANS)
 
 
+@needs_the_program
 def test_the_heading_has_the_lines_to_type(stock):
     heading, _, rest = stock.read_text(encoding="utf-8").partition("-->\n")
     assert rest.startswith("<scene version=")
-    typed = [line.strip() for line in heading.splitlines() if line.startswith("    ")]
-    assert typed == ['eval "$(gemrender doctor -e)"', "mitsuba 'a scene.xml'"]
+    assert "--" not in heading.removeprefix("<!--")
     assert LLVM_VARIABLE in heading
+    export, render = (line.strip() for line in heading.splitlines() if line.startswith("    "))
+    assert export == 'eval "$(gemrender doctor -e)"'
+    script = f'mitsuba() {{ printf "%s" "$@"; }}\n{render}'
+    assert subprocess.run(["sh", "-c", script], capture_output=True, text=True).stdout == f"{NAME}.xml"
 
 
 #: What a user did before the heading's lines.
