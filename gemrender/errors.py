@@ -58,14 +58,14 @@ class BackendError(GemrenderError, RuntimeError):
     """Mitsuba, Dr.Jit or LLVM cannot run on this machine; the message ends with the cure."""
 
 
+def _one_line(text: str, most: int = 60) -> str:
+    # A file's name may hold anything, commands to the terminal included.
+    text = " ".join("".join(c if c.isprintable() or c.isspace() else "\ufffd" for c in text).split())
+    return text if len(text) <= most else text[: most - 1] + "…"
+
+
 def _shown(value: object) -> str:
     try:
         return repr(value)
     except (RecursionError, ValueError):  # nested a thousand deep; a whole number of more than 4300 digits
         return f"({type(value).__name__})"
-
-
-def _one_line(text: str, most: int = 60) -> str:
-    # A file's name may hold anything, commands to the terminal included.
-    text = " ".join("".join(c if c.isprintable() or c.isspace() else "\ufffd" for c in text).split())
-    return text if len(text) <= most else text[: most - 1] + "…"
