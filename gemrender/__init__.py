@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from gemrender.beam.sensitivity import sensitivity
     from gemrender.observation import Model, Observation, RayStatus, View
     from gemrender.render.backend import mitsuba
-    from gemrender.stone import RoundBrilliant, Stone, bundled_stones, load_stone
+    from gemrender.stone import RoundBrilliant, Stone, bundled_stones, load_stone, load_stones, vary
 
 __version__ = "0.1.0"
 
@@ -46,11 +46,13 @@ __all__ = [
     "VirtualFacets",
     "bundled_stones",
     "load_stone",
+    "load_stones",
     "mitsuba",
     "observe",
     "score",
     "sensitivity",
     "trace_facets",
+    "vary",
 ]
 
 _ON_DEMAND = {
@@ -62,7 +64,9 @@ _ON_DEMAND = {
     "Stone": "gemrender.stone",
     "bundled_stones": "gemrender.stone",
     "load_stone": "gemrender.stone",
+    "load_stones": "gemrender.stone",
     "mitsuba": "gemrender.render.backend",
+    "vary": "gemrender.stone",
     "VirtualFacets": "gemrender.beam",
     "sensitivity": "gemrender.beam.sensitivity",
     "trace_facets": "gemrender.beam",

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import errno
+import io
+import os
 import sys
 from typing import Annotated, Any, NoReturn
 
@@ -10,15 +13,16 @@ from typer.core import TyperGroup
 
 from gemrender.cli.about import doctor, materials, setups, stones
 from gemrender.cli.compare import compare
-from gemrender.cli.options import ARGUMENTS, listed
+from gemrender.cli.crosscheck import crosscheck
 from gemrender.cli.output import say
 from gemrender.cli.render import render
 from gemrender.cli.report import report
 from gemrender.cli.scene import scene
-from gemrender.cli.score import crosscheck, score
+from gemrender.cli.score import score
 from gemrender.cli.sensitivity import sensitivity
 from gemrender.cli.show import show
 from gemrender.cli.symmetry import symmetry
+from gemrender.cli.values import OptionError, listed
 from gemrender.errors import GemrenderError, InputError
 
 __all__ = ["app", "main", "run"]
@@ -31,7 +35,7 @@ class _Commands(TyperGroup):
     """The commands; an unknown one is refused in gemrender's form."""
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        if args[0] not in self.commands:
+        if args[0] not in self.commands and not ctx.resilient_parsing:  # where a shell completes
             raise InputError(f"must be one of {listed(args[0], self.commands)}", key="COMMAND", value=args[0])
         return super().resolve_command(ctx, args)
 
@@ -40,7 +44,6 @@ app = typer.Typer(
     cls=_Commands,
     help="See, measure and improve how a cut stone handles light.",
     context_settings={"help_option_names": ["-h", "--help"]},
-    add_completion=False,
     pretty_exceptions_enable=False,
 )
 
@@ -51,8 +54,20 @@ for _command in (
     app.command()(_command)
 
 
+class _ClosedOutput(io.TextIOBase):
+    """A standard output that was closed: who prints to it fails, and is told."""
+
+    def write(self, text: str) -> int:
+        raise OSError(errno.EBADF, "standard output is closed")
+
+
 def main(arguments: list[str] | None = None) -> NoReturn:
     """Run the command line; errors are one line on stderr, and the exit status is theirs."""
+    if sys.stdout is None:
+        # Its number is taken, else the next file to be opened would have it, and get what libraries print.
+        while os.open(os.devnull, os.O_WRONLY) < 1:
+            pass
+        sys.stdout = _ClosedOutput()
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):  # a terminal that lacks a letter shows a question mark
             stream.reconfigure(errors="replace")
@@ -63,6 +78,8 @@ def run(arguments: list[str] | None) -> int:
     """Run the command line and return its exit status."""
     try:
         status = int(app(arguments, standalone_mode=False) or 0)
+    except OptionError as refused:
+        return _fail(refused.error)
     except InputError as error:
         return _fail(_as_argument(error))
     except GemrenderError as error:
@@ -89,9 +106,14 @@ def _fail(error: GemrenderError) -> int:
 
 def _as_argument(error: InputError) -> InputError:
     """Tell an error that came from no file as one of the command line's arguments and options."""
-    if error.source is not None or error.key not in ARGUMENTS:
+    if error.source is not None or error.key is None:
         return error
-    return InputError(error.allowed, key=ARGUMENTS[error.key], value=error.value)
+    group: Any = typer.main.get_command(app)
+    given = {name for command in group.commands.values() for param in command.params for name in param.opts}
+    option = f"--{error.key.replace('_', '-')}"
+    if error.key == "stone":
+        return InputError(error.allowed, key="STONE", value=error.value)
+    return InputError(error.allowed, key=option, value=error.value) if option in given else error
 
 
 def _usage_error(error: Any) -> InputError:
@@ -99,6 +121,7 @@ def _usage_error(error: Any) -> InputError:
     context = error.ctx
     if isinstance(error, _click.NoSuchOption):
         options = [name for param in context.command.get_params(context) for name in param.opts]
+        options.sort(key=lambda name: name.endswith("-completion"))
         allowed = listed(error.option_name, (name for name in options if name.startswith("--")))
         return InputError(f"unknown option; must be one of {allowed}", key=error.option_name)
     if isinstance(error, _click.MissingParameter):
