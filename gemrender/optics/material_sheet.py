@@ -19,6 +19,9 @@ from gemrender.optics.material_files import load_material
 
 __all__ = ["MaterialSheet", "material_sheet"]
 
+#: What records call the indices, by Fraunhofer's letters.
+_NAMES = {"n_g": "n_G", "n_f": "n_F", "n_d": "n_D", "n_c": "n_C", "n_b": "n_B"}
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MaterialSheet:
@@ -26,11 +29,11 @@ class MaterialSheet:
 
     Parameters
     ----------
-    material : str
-        Its name.
+    name : str
+        What it is called.
     n_g, n_f, n_d, n_c, n_b : float
         Refractive index, relative to air, at Fraunhofer's lines: 430.8, 486.1, 589.3, 656.3 and 686.7 nm.
-    abbe : float or None
+    abbe_number : float or None
         Abbe's number V_D = (n_D - 1) / (n_F - n_C); None without dispersion.
     dispersion_b_g : float
         What gemmologists call dispersion, n_G - n_B.
@@ -50,13 +53,13 @@ class MaterialSheet:
         What a user should know, each a line; among them what is continued, and how.
     """
 
-    material: str
+    name: str
     n_g: float
     n_f: float
     n_d: float
     n_c: float
     n_b: float
-    abbe: float | None
+    abbe_number: float | None
     dispersion_b_g: float
     density: float | None
     index_from: str
@@ -67,8 +70,8 @@ class MaterialSheet:
     notes: tuple[str, ...]
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the sheet as JSON takes it: its fields by their names, in their order, tuples as lists."""
-        return {key: _lists(value) for key, value in asdict(self).items()}
+        """Return the sheet as JSON takes it: fields by name, in order, n_G for `n_g`, tuples as lists."""
+        return {_NAMES.get(key, key): _lists(value) for key, value in asdict(self).items()}
 
 
 def material_sheet(material: Material | str | os.PathLike[str] | float | None) -> MaterialSheet:
@@ -86,15 +89,15 @@ def material_sheet(material: Material | str | os.PathLike[str] | float | None) -
     """
     made = material if isinstance(material, Material) else load_material(material)
     lines = (FRAUNHOFER_G_NM, FRAUNHOFER_F_NM, SODIUM_NM, FRAUNHOFER_C_NM, FRAUNHOFER_B_NM)
-    n_g, n_f, n_d, n_c, n_b = (float(n) for n in made.index(lines))
+    g, f, d, c, b = (float(n) for n in made.index(lines))
     return MaterialSheet(
-        material=made.name,
-        n_g=n_g,
-        n_f=n_f,
-        n_d=n_d,
-        n_c=n_c,
-        n_b=n_b,
-        abbe=made.abbe_number,
+        name=made.name,
+        n_g=g,
+        n_f=f,
+        n_d=d,
+        n_c=c,
+        n_b=b,
+        abbe_number=made.abbe_number,
         dispersion_b_g=made.dispersion_b_g,
         density=made.density,
         index_from=made.dispersion.formula if isinstance(made.dispersion, Formula) else "table",

@@ -104,7 +104,7 @@ def material_records() -> list[dict[str, Any]]:
                 "dispersion_b_g": material.dispersion_b_g,
                 "density": material.density,
                 "source": material.source,
-                "note": material.note,
+                "note": "; ".join(material.notes),
             }
         )
     return records

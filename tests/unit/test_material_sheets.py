@@ -127,7 +127,7 @@ def test_the_sheet_of_diamond():
     peter = [published("diamond").get_refractive_index(w) for w in (430.8, 486.1, 589.3, 656.3, 686.7)]
     n_g, n_f, n_d, n_c, n_b = peter
     assert [sheet.n_g, sheet.n_f, sheet.n_d, sheet.n_c, sheet.n_b] == pytest.approx(peter, rel=10 * ROUNDING)
-    assert sheet.abbe == pytest.approx((n_d - 1) / (n_f - n_c), rel=DIFFERENCE)
+    assert sheet.abbe_number == pytest.approx((n_d - 1) / (n_f - n_c), rel=DIFFERENCE)
     assert sheet.dispersion_b_g == pytest.approx(n_g - n_b, rel=DIFFERENCE)
     assert (sheet.density, sheet.index_from, sheet.range_nm) == (3.52, "sellmeier", (226.0, 760.0))
     assert (sheet.absorbs, sheet.notes) == (False, ())
@@ -137,17 +137,17 @@ def test_a_sheet_is_a_line_of_json(load, tmp_path):
     load(edited(ABSORBED, "[380, 500, 700]"))
     made = material_sheet(tmp_path / "glass.toml").to_dict()
     assert list(made) == [
-        "material", "n_g", "n_f", "n_d", "n_c", "n_b", "abbe", "dispersion_b_g", "density", "index_from",
+        "name", "n_G", "n_F", "n_D", "n_C", "n_B", "abbe_number", "dispersion_b_g", "density", "index_from",
         "range_nm", "continued_nm", "absorbs", "source", "notes",
     ]  # fmt: skip
     assert json.loads(json.dumps(made)) == made
     assert made["notes"] == ["made up", "absorption of 380 to 700 nm, beyond which its end values hold"]
-    assert (made["material"], made["range_nm"], made["absorbs"]) == ("My glass", [360.0, 1000.0], True)
+    assert (made["name"], made["range_nm"], made["absorbs"]) == ("My glass", [360.0, 1000.0], True)
 
 
 def test_the_sheet_of_an_index():
     sheet = material_sheet(1.7)
-    assert (sheet.n_g, sheet.n_b, sheet.abbe, sheet.dispersion_b_g, sheet.density) == (
+    assert (sheet.n_g, sheet.n_b, sheet.abbe_number, sheet.dispersion_b_g, sheet.density) == (
         1.7,
         1.7,
         None,
