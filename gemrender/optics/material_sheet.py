@@ -75,7 +75,7 @@ class MaterialSheet:
 
 
 def material_sheet(material: Material | str | os.PathLike[str] | float | None) -> MaterialSheet:
-    """Return the sheet of a material.
+    """Return the sheet of a material; its notes say what `load_material` warns of.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def material_sheet(material: Material | str | os.PathLike[str] | float | None) -
     InputError
         As `load_material`.
     """
-    made = material if isinstance(material, Material) else load_material(material)
+    made = material if isinstance(material, Material) else load_material(material, warn=False)
     lines = (FRAUNHOFER_G_NM, FRAUNHOFER_F_NM, SODIUM_NM, FRAUNHOFER_C_NM, FRAUNHOFER_B_NM)
     g, f, d, c, b = (float(n) for n in made.index(lines))
     return MaterialSheet(

@@ -11,6 +11,7 @@ from glasses import ABSORBED, BY_FORMULA, BY_TABLE, PAGES, RANGE, edited, publis
 from physics_tolerances import ROUNDING
 
 from gemrender import InputError, load_stone
+from gemrender.errors import GemrenderWarning
 from gemrender.optics import load_material, material_names, material_sheet, material_template
 from gemrender.scene.setup import load_setup
 from gemrender.templates import setup_template, stone_template
@@ -22,12 +23,12 @@ ABSORBED_NM = np.arange(340.0, 861.0, 0.5)
 
 @pytest.fixture
 def load(tmp_path):
-    """Load a material from the text of a file."""
+    """Load a material from the text of a file, whatever there is to warn of."""
 
     def load_text(text, name="glass.toml"):
         path = tmp_path / name
         path.write_bytes(text if isinstance(text, bytes) else text.encode())
-        return load_material(path)
+        return load_material(path, warn=False)
 
     return load_text
 
@@ -71,6 +72,16 @@ def test_absorption_says_where_its_ends_hold(load):
     assert load(edited(ABSORBED, "[380, 500, 700]")).cautions == (
         "absorption of 380 to 700 nm, beyond which its end values hold",
     )
+
+
+def test_a_file_is_warned_of_when_it_is_loaded_and_once(tmp_path):
+    path = tmp_path / "narrow.toml"
+    path.write_text("[index]\nwavelength_nm = [586, 656]\nn = [1.70, 1.60]")
+    with pytest.warns(GemrenderWarning) as caught:
+        material = load_material(path)
+    assert [str(warning.message) for warning in caught] == [f"{path}: {line}" for line in material.cautions]
+    assert len(material.cautions) == 2
+    load_material(path)  # another warning would be an error
 
 
 @pytest.mark.parametrize("name", material_names())
@@ -133,9 +144,8 @@ def test_the_sheet_of_diamond():
     assert (sheet.absorbs, sheet.notes) == (False, ())
 
 
-def test_a_sheet_is_a_line_of_json(load, tmp_path):
-    load(edited(ABSORBED, "[380, 500, 700]"))
-    made = material_sheet(tmp_path / "glass.toml").to_dict()
+def test_a_sheet_is_a_line_of_json(load):
+    made = material_sheet(load(edited(ABSORBED, "[380, 500, 700]"))).to_dict()
     assert list(made) == [
         "name", "n_G", "n_F", "n_D", "n_C", "n_B", "abbe_number", "dispersion_b_g", "density", "index_from",
         "range_nm", "continued_nm", "absorbs", "source", "notes",
@@ -143,6 +153,14 @@ def test_a_sheet_is_a_line_of_json(load, tmp_path):
     assert json.loads(json.dumps(made)) == made
     assert made["notes"] == ["made up", "absorption of 380 to 700 nm, beyond which its end values hold"]
     assert (made["name"], made["range_nm"], made["absorbs"]) == ("My glass", [360.0, 1000.0], True)
+
+
+def test_the_sheet_of_a_file(tmp_path):
+    path = tmp_path / "glass.toml"
+    path.write_text(edited(ABSORBED, "[380, 500, 700]"))
+    sheet = material_sheet(path)  # a warning would be an error: the notes have it
+    assert sheet == material_sheet(load_material(path, warn=False))
+    assert len(sheet.notes) == 2
 
 
 def test_the_sheet_of_an_index():

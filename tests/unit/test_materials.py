@@ -230,12 +230,12 @@ def test_materials_are_listed(capsys):
 
 @pytest.fixture
 def load(tmp_path):
-    """Load a material from the text of a file."""
+    """Load a material from the text of a file, whatever there is to warn of."""
 
     def load_text(text, name="glass.toml"):
         path = tmp_path / name
         path.write_bytes(text if isinstance(text, bytes) else text.encode())
-        return load_material(path)
+        return load_material(path, warn=False)
 
     return load_text
 
