@@ -98,8 +98,8 @@ def test_csv_has_every_digit_of_json(gemrender):
 
 
 COMMANDS = (
-    "score", "compare", "sensitivity", "show", "report", "render", "symmetry", "crosscheck", "scene", "stones",
-    "setups", "materials", "doctor",
+    "score", "compare", "sensitivity", "show", "report", "render", "symmetry", "crosscheck", "scene",
+    "stones", "setups", "materials", "doctor",
 )  # fmt: skip
 
 # ---- Widths ----------------------------------------------------------------------------------------------
@@ -146,18 +146,18 @@ def test_a_table_of_stones_is_scored_row_by_row(folder, gemrender):
     assert "assumed in 1 of 2 rows: lower half 80" in gemrender("score", "list.csv", *FAST)[1]
 
 
-def test_pandas_reads_a_thousand_stones_without_help(folder):
+def test_pandas_reads_many_stones_without_help(folder):
     pandas = pytest.importorskip("pandas")
     head = "name,table,crown_angle,pavilion_angle,star,lower_half,girdle_thickness"
-    lines = [f"s{i},{53 + i % 10},{33 + i % 5},{40.2 + i % 9 / 10},50,80,3" for i in range(1000)]
+    lines = [f"s{i},{53 + i % 10},{33 + i % 5},{40.2 + i % 9 / 10},50,80,3" for i in range(200)]
     Path("stones.csv").write_text("\n".join([head, *lines]))
     done = run_gemrender(
         "score", "stones.csv", "--engine", "reference", "--resolution", "2", "--format", "csv", cwd=folder
     )
     assert done.returncode == 0
-    assert done.stderr.startswith("1000 stones in ")
+    assert done.stderr.splitlines()[-1].startswith("200 stones in ")
     read = pandas.read_csv(io.StringIO(done.stdout))
-    assert list(read["name"]) == [f"s{i}" for i in range(1000)]
+    assert list(read["name"]) == [f"s{i}" for i in range(200)]
     assert all(read[key].dtype == "float64" for key in ("average", "rear", *BANDS))
 
 
