@@ -68,7 +68,7 @@ def picture_size(text: str) -> tuple[int, int]:
     return sides[0], sides[-1]
 
 
-Size = Annotated[str, typer.Option(metavar="N|WxH", help="Size of the picture [pixels].")]
+Size = Annotated[str, typer.Option(metavar="N|WxH", help="Size of the picture, in pixels.")]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

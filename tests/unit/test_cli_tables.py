@@ -6,6 +6,7 @@ import csv
 import io
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -122,6 +123,7 @@ def test_help_fits_the_terminal(command, columns):
     assert done.returncode == 0
     assert max(map(len, done.stdout.splitlines())) <= columns
     assert "…" not in done.stdout  # nothing is cut
+    assert not re.search(r"\w \.(\s|$)", done.stdout)  # or taken for markup
 
 
 def test_whole_names_at_80_columns(gemrender, monkeypatch):
