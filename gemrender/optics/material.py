@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from gemrender.errors import InputError
+from gemrender.mistakes import Mistakes
 from gemrender.optics.dispersion import Dispersion, Formula
 from gemrender.optics.tabulated import WAVELENGTHS_NM, Table, finite, numbers_of
 
@@ -82,7 +83,11 @@ class Material:
     def __post_init__(self) -> None:
         object.__setattr__(self, "range_nm", checked_range(self.range_nm))
         object.__setattr__(self, "density", checked_density(self.density))
-        self._check_index()
+        with Mistakes() as mistakes:
+            mistakes.of(self._check_index)
+            mistakes.of(self._check_absorption)
+
+    def _check_absorption(self) -> None:
         if self.absorption is not None:
             for i, value in enumerate(self.absorption.values):
                 if value < 0:

@@ -221,6 +221,17 @@ per_mm = [0.1]
     )
 
 
+def test_both_columns_of_a_table_are_checked_and_both_tables_of_a_material():
+    text = "[index]\nwavelength_nm = [380, nan]\nn = [1.5, '2']\n"
+    assert refusal(load_material, text) == (
+        "index.wavelength_nm[1] = nan: must be a finite number; index.n[1] = '2': must be a finite number"
+    )
+    text = "[index]\nwavelength_nm = [380, 760]\nn = [9, 9]\n[absorption]\nwavelength_nm = [380, 760]\n"
+    line = refusal(load_material, f"{text}per_mm = [0, -1]\n")
+    assert line.startswith("index at 380 nm = 9.0: must be from 1.05 to 4")
+    assert line.endswith("; absorption.per_mm[1] = -1.0: must be at least 0 [1/mm]")
+
+
 def test_objects_made_by_hand_tell_all_too():
     with pytest.raises(MistakesError, match=r"^elevation = 91: .*; margin = 0: "):
         Camera(elevation=91, margin=0)
