@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from gemrender.beam import VirtualFacets, trace_facets
     from gemrender.beam.sensitivity import sensitivity
     from gemrender.observation import Model, Observation, RayStatus, View
-    from gemrender.stone import RoundBrilliant, Stone, bundled_stones, load_stone
+    from gemrender.stone import RoundBrilliant, Stone, bundled_stones, load_stone, load_stones, vary
 
 __version__ = "0.1.0"
 
@@ -44,10 +44,12 @@ __all__ = [
     "VirtualFacets",
     "bundled_stones",
     "load_stone",
+    "load_stones",
     "observe",
     "score",
     "sensitivity",
     "trace_facets",
+    "vary",
 ]
 
 _ON_DEMAND = {
@@ -59,6 +61,8 @@ _ON_DEMAND = {
     "Stone": "gemrender.stone",
     "bundled_stones": "gemrender.stone",
     "load_stone": "gemrender.stone",
+    "load_stones": "gemrender.stone",
+    "vary": "gemrender.stone",
     "VirtualFacets": "gemrender.beam",
     "sensitivity": "gemrender.beam.sensitivity",
     "trace_facets": "gemrender.beam",

@@ -169,7 +169,8 @@ def check_differentiable(stone: Stone) -> None:
     """
     if stone.proportions is None or stone.is_half_spaces:
         raise InputError(
-            "has no proportions to differentiate by: it must be made from [proportions] or [angles]",
+            "has no proportions to differentiate by: it must be made from [proportions], [angles] "
+            "or [report]",
             source=stone.source or stone.name,
         )
 

@@ -1,45 +1,56 @@
-"""Options of pictured stones, which `render` and `scene` share: material, weight or diameter, size."""
+"""Options of pictured stones, which `render` and `scene` share: material, weight, size, set-up."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from gemrender.cli.options import number
+from gemrender.cli.values import OptionError, complete_files, number_option
 from gemrender.errors import InputError
 
 if TYPE_CHECKING:
     from gemrender.scene.photoreal import Gem
 
-__all__ = ["SIZE", "Carat", "Diameter", "Material", "Size", "load_gems", "picture_size"]
+__all__ = [
+    "SIZE",
+    "GemOptions",
+    "Setup",
+    "Size",
+    "complete_materials",
+    "complete_setups",
+    "load_gems",
+    "picture_size",
+]
 
-Material = Annotated[
-    str | None,
-    typer.Option(
-        metavar="NAME",
-        help="Material of all pictured stones (see: gemrender materials), or a material file.",
-    ),
-]
-Carat = Annotated[str | None, typer.Option(metavar="CARAT", help="Weight of each pictured stone.")]
-Diameter = Annotated[
-    str | None, typer.Option(metavar="MM", help="Girdle diameter of each pictured stone; by default 6.5.")
-]
-Size = Annotated[str, typer.Option(metavar="PIXELS|WxH", help="Size of the picture.")]
+GEMS = "Stones"
+
+#: Width and height [pixels].
 SIZE = "1024"
 
 
-def load_gems(names: list[str], material: str | None, carat: str | None, diameter: str | None) -> list[Gem]:
-    """Load stones, with their material and size."""
-    from gemrender.render.photoreal import make_gems
-    from gemrender.stone import load_stone
+def _materials() -> list[str]:
+    from gemrender.optics import material_names
 
-    return make_gems(
-        [load_stone(name) for name in names],
-        material=material,
-        carat=None if carat is None else number("carat", carat, "carats"),
-        diameter_mm=None if diameter is None else number("diameter", diameter, "millimetres"),
-    )
+    return material_names()
+
+
+def _setups() -> list[str]:
+    from gemrender.scene.setup import bundled_setups
+
+    return bundled_setups()
+
+
+complete_materials = complete_files(_materials, (".toml",))
+complete_setups = complete_files(_setups, (".toml",))
+
+Setup = typer.Option(
+    "--setup",
+    metavar="NAME",
+    help="Set-up: a bundled one (see: gemrender setups) or a file.",
+    autocompletion=complete_setups,
+)
 
 
 def picture_size(text: str) -> tuple[int, int]:
@@ -52,9 +63,53 @@ def picture_size(text: str) -> tuple[int, int]:
     except ValueError:
         sides = []
     if len(sides) not in (1, 2) or not all(1 <= side <= MOST_PIXELS for side in sides):
-        raise InputError(
-            f"must be a number of pixels or two, as 1024 or 1600x900, from 1 to {MOST_PIXELS}",
-            key="size",
-            value=text,
-        )
+        allowed = f"must be a number of pixels or two, as 1024 or 1600x900, from 1 to {MOST_PIXELS}"
+        raise OptionError(InputError(allowed, key="--size", value=text))
     return sides[0], sides[-1]
+
+
+Size = Annotated[str, typer.Option(metavar="N|WxH", help="Size of the picture [pixels].")]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GemOptions:
+    """What pictured stones are made of, and how large they are."""
+
+    material: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help="Material of all pictured stones (see: gemrender materials), or a material file.",
+            autocompletion=complete_materials,
+            rich_help_panel=GEMS,
+        ),
+    ] = None
+    carat: Annotated[
+        float | None,
+        number_option(
+            "--carat", "carats", "Weight of each pictured stone.", metavar="CARAT", rich_help_panel=GEMS
+        ),
+    ] = None
+    diameter: Annotated[
+        float | None,
+        number_option(
+            "--diameter",
+            "millimetres",
+            "Girdle diameter of each pictured stone; by default 6.5.",
+            metavar="MM",
+            rich_help_panel=GEMS,
+        ),
+    ] = None
+
+
+def load_gems(names: list[str], options: GemOptions) -> list[Gem]:
+    """Load stones, with their material and size."""
+    from gemrender.render.photoreal import make_gems
+    from gemrender.stone import load_stone
+
+    return make_gems(
+        [load_stone(name) for name in names],
+        material=options.material,
+        carat=options.carat,
+        diameter_mm=options.diameter,
+    )

@@ -1,142 +1,256 @@
-"""Arguments and options that commands share, and how they are read."""
+"""Arguments and groups of options that commands share: one word, one meaning, everywhere."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from gemrender.cli.output import patience, progress_bar
-from gemrender.engines import DEFAULT_BOUND, DEFAULT_RESOLUTION, ENGINES
+from gemrender.cli.output import patience
+from gemrender.cli.values import (
+    choice_option,
+    complete_files,
+    complete_words,
+    number_option,
+    whole_option,
+)
+from gemrender.engines import (
+    DEFAULT_BOUND,
+    DEFAULT_ENGINE,
+    DEFAULT_RESOLUTION,
+    DEFAULT_VARIANT,
+    ENGINES,
+    VARIANTS,
+)
 from gemrender.errors import InputError
-from gemrender.reading import did_you_mean
 
 if TYPE_CHECKING:
     from gemrender.observation import Model, View
     from gemrender.stone import Stone
 
-# Numbers come as text and are parsed below, so that a slip in any of them is told in the same form.
-_STONES_HELP = "Stone files, or names of bundled stones (see: gemrender stones)."
-Stones = Annotated[list[str], typer.Argument(metavar="STONE", help=_STONES_HELP)]
-AnyStones = Annotated[list[str] | None, typer.Argument(metavar="STONE", help=_STONES_HELP)]
+__all__ = [
+    "AnyStones",
+    "EngineOptions",
+    "ModelOptions",
+    "Stones",
+    "TableOptions",
+    "ViewOptions",
+    "bundled_names",
+    "check_stones",
+    "output_option",
+    "prepare_engine",
+    "trace_options",
+    "view_and_model",
+]
+
+#: Headings of the groups in the help.
+ENGINE, MODEL, VIEW, OUTPUT = "Engine", "Model", "View", "Output"
+
+#: Forms of a printed table; `gemrender.report.formats` makes them, which is heavier to import.
+_FORMATS = ("table", "json", "csv", "markdown")
+
+
+# ---- Stones --------------------------------------------------------------------------------------------
+
+
+def bundled_names() -> list[str]:
+    """Return the names of the bundled stones."""
+    from gemrender.reading import bundled_files
+
+    return list(bundled_files(""))
+
+
+_complete_stones = complete_files(bundled_names, (".toml", ".csv"))
+_STONES_HELP = "Stone files, or names of bundled stones (see: gemrender stones), or tables of stones (.csv)."
+Stones = Annotated[
+    list[str], typer.Argument(metavar="STONE", help=_STONES_HELP, autocompletion=_complete_stones)
+]
+AnyStones = Annotated[
+    list[str] | None, typer.Argument(metavar="STONE", help=_STONES_HELP, autocompletion=_complete_stones)
+]
+
+
+# ---- Engine --------------------------------------------------------------------------------------------
+
 Engine = Annotated[
     str,
-    typer.Option(
-        metavar="|".join(ENGINES), help="Tracer; auto is exact for convex stones, mitsuba for others."
+    choice_option(
+        "--engine",
+        ENGINES,
+        "Tracer; auto is exact for convex stones, mitsuba for others.",
+        metavar="ENGINE",
+        rich_help_panel=ENGINE,
     ),
 ]
-Variant = Annotated[str, typer.Option(metavar="NAME", help="Mitsuba variant.")]
-Resolution = Annotated[str, typer.Option(metavar="PIXELS", help="Pixels a side of the map.")]
+Variant = Annotated[
+    str,
+    typer.Option(
+        metavar="NAME",
+        help="Mitsuba variant.",
+        autocompletion=complete_words(lambda: VARIANTS),
+        rich_help_panel=ENGINE,
+    ),
+]
+Resolution = Annotated[
+    int,
+    whole_option(
+        "--resolution",
+        "Pixels a side of the map, 1 to 16384.",
+        metavar="PIXELS",
+        example="1024",
+        rich_help_panel=ENGINE,
+    ),
+]
+Bound = Annotated[
+    float,
+    number_option(
+        "--bound",
+        "per cent",
+        "Error bound of exact scores, in per cent of the light; 0.0001 to 10.",
+        metavar="PERCENT",
+        rich_help_panel=ENGINE,
+    ),
+]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EngineOptions:
+    """What traces the stones, and how finely."""
+
+    engine: Engine = DEFAULT_ENGINE
+    variant: Variant = DEFAULT_VARIANT
+    resolution: Resolution = DEFAULT_RESOLUTION
+    bound: Bound = DEFAULT_BOUND
+
+
+# ---- Model and view ------------------------------------------------------------------------------------
+
 Fresnel = Annotated[
     str | None,
-    typer.Option(
-        metavar="gubelin|exact",
-        help="Transmittance: the paper's table (diamond only), or Fresnel's equations. "
-        "By default the table for diamond, and the equations for other stones.",
+    choice_option(
+        "--fresnel",
+        ("gubelin", "exact"),
+        "Transmittance: the paper's table (diamond only, and its default), or Fresnel's equations.",
+        metavar="LAW",
+        rich_help_panel=MODEL,
     ),
 ]
 Rear = Annotated[
     str,
-    typer.Option(
-        metavar="position|direction",
-        help="Rear light: what came in below the girdle, or what came from below the horizon.",
+    choice_option(
+        "--rear",
+        ("position", "direction"),
+        "Rear light: what came in below the girdle, or from below the horizon.",
+        metavar="RULE",
+        rich_help_panel=MODEL,
     ),
 ]
 Intensity = Annotated[
-    str, typer.Option(metavar="primary|radiance", help="The paper's measure of intensity, or radiance.")
+    str,
+    choice_option(
+        "--intensity",
+        ("primary", "radiance"),
+        "The paper's measure of intensity, or radiance.",
+        metavar="MEASURE",
+        rich_help_panel=MODEL,
+    ),
 ]
 Tilt = Annotated[
-    str, typer.Option(metavar="DEGREES", help="Tilt of the eye from the stone's axis, 0 to below 90.")
+    float,
+    number_option(
+        "--tilt",
+        "degrees",
+        "Tilt of the eye from the stone's axis, 0 to below 90.",
+        metavar="DEGREES",
+        rich_help_panel=VIEW,
+    ),
 ]
-TiltAzimuth = Annotated[str, typer.Option(metavar="DEGREES", help="Azimuth that the eye is tilted to.")]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON array.")]
-Out = Annotated[
-    str | None, typer.Option(metavar="FOLDER", help="Where to write each stone's maps, as EXR and PNG.")
+TiltAzimuth = Annotated[
+    float,
+    number_option(
+        "--tilt-azimuth",
+        "degrees",
+        "Azimuth that the eye is tilted to.",
+        metavar="DEGREES",
+        rich_help_panel=VIEW,
+    ),
 ]
 
-Bound = Annotated[
-    str, typer.Option(metavar="PERCENT", help="Error bound of exact scores, in per cent of the light.")
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModelOptions:
+    """The rules that light is followed and counted by."""
+
+    fresnel: Fresnel = None
+    rear: Rear = "position"
+    intensity: Intensity = "primary"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ViewOptions:
+    """Where the eye is."""
+
+    tilt: Tilt = 0.0
+    tilt_azimuth: TiltAzimuth = 0.0
+
+
+# ---- Output --------------------------------------------------------------------------------------------
+
+Format = Annotated[
+    str | None,
+    choice_option(
+        "--format",
+        _FORMATS,
+        "Form of what is printed; json and csv have every digit.",
+        metavar="FORM",
+        rich_help_panel=OUTPUT,
+    ),
 ]
+Json = Annotated[bool, typer.Option("--json", help="The same as --format json.", rich_help_panel=OUTPUT)]
 
-RESOLUTION, BOUND = str(DEFAULT_RESOLUTION), str(DEFAULT_BOUND)
 
-#: How the command line calls what errors call by the names of Python's arguments.
-ARGUMENTS = {
-    "stone": "STONE",
-    **{
-        key: f"--{key.replace('_', '-')}"
-        for key in (
-            "engine", "variant", "resolution", "fresnel", "rear", "intensity", "tilt", "tilt_azimuth",
-            "random", "seed", "out", "draws", "bound", "jitter", "what", "at", "azimuth", "rays", "colour",
-            "format", "setup", "size", "spp", "noise", "time", "material", "carat", "diameter", "exposure",
-            "curve", "bins", "range", "frames", "fps", "turn",
-        )
-    },
-}  # fmt: skip
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TableOptions:
+    """Form of the printed table."""
+
+    form: Format = None
+    as_json: Json = False
+
+    @property
+    def chosen(self) -> str:
+        """The form that was asked for, by either option."""
+        if self.as_json and self.form not in (None, "json"):
+            raise InputError("is another form than --json", key="--format", value=self.form)
+        return "json" if self.as_json else self.form or "table"
+
+
+def output_option(words: str, metavar: str = "FOLDER") -> Any:
+    """Return the option that says where to write: -o and --out in every command."""
+    return typer.Option("--out", "-o", metavar=metavar, help=words, rich_help_panel=OUTPUT)
+
+
+# ---- What commands make of them ------------------------------------------------------------------------
 
 
 def trace_options(
-    resolution: str,
-    fresnel: str | None,
-    rear: str,
-    intensity: str,
-    tilt: str,
-    tilt_azimuth: str,
-    bound: str = BOUND,
+    engine: EngineOptions | None = None, model: ModelOptions | None = None, view: ViewOptions | None = None
 ) -> dict[str, Any]:
-    """Name the options of model and view as `observe` does."""
+    """Name the options as `gemrender.observe` does; a group that a command lacks has its defaults."""
+    engine, model, view = engine or EngineOptions(), model or ModelOptions(), view or ViewOptions()
     return {
-        "resolution": whole("resolution", resolution, "such as 1024"),
-        "fresnel": fresnel,
-        "rear": rear,
-        "intensity": intensity,
-        "tilt_deg": number("tilt", tilt),
-        "tilt_azimuth_deg": number("tilt_azimuth", tilt_azimuth),
-        "bound": number("bound", bound, "per cent"),
+        "engine": engine.engine,
+        "variant": engine.variant,
+        "resolution": engine.resolution,
+        "fresnel": model.fresnel,
+        "rear": model.rear,
+        "intensity": model.intensity,
+        "tilt_deg": view.tilt,
+        "tilt_azimuth_deg": view.tilt_azimuth,
+        "bound": engine.bound,
     }
-
-
-def prepare_engine(engine: str, variant: str, stones: Iterable[Stone], bound: float = DEFAULT_BOUND) -> None:
-    """Check that the engine can trace the stones, before any work begins; say so if that takes a while."""
-    from gemrender.engines import require_engine
-
-    with patience("the exact engine is compiled for this machine, once: about ten seconds"):
-        require_engine(engine, variant, stones=stones, bound=bound)
-
-
-def whole(key: str, text: str, hint: str = "") -> int:
-    """Read a whole number."""
-    try:
-        return int(text)
-    except ValueError as error:
-        allowed = f"must be a whole number{', ' if hint else ''}{hint}"
-        raise InputError(allowed, key=key, value=text) from error
-
-
-def number(key: str, text: str, unit: str = "degrees") -> float:
-    """Read a finite number."""
-    try:
-        number = float(text)
-    except ValueError:
-        number = math.nan
-    if not math.isfinite(number):
-        raise InputError(f"must be a finite number of {unit}", key=key, value=text)
-    return number
-
-
-def load(names: list[str], options: dict[str, Any]) -> list[Stone]:
-    """Load all stones, and check the options for each, before any work begins."""
-    from gemrender.stone import load_stone
-
-    loaded = []
-    with progress_bar(len(names)) as step:
-        for i, name in enumerate(names):
-            loaded.append(load_stone(name))
-            view_and_model(loaded[-1], options)
-            step(i, "loading")(1.0)
-    return loaded
 
 
 def view_and_model(stone: Stone, options: dict[str, Any]) -> tuple[View, Model]:
@@ -148,7 +262,33 @@ def view_and_model(stone: Stone, options: dict[str, Any]) -> tuple[View, Model]:
     return view, model
 
 
-def listed(word: str, allowed: Iterable[str]) -> str:
-    """List what is allowed, with a guess at what was meant."""
-    names = list(allowed)
-    return ", ".join(names) + did_you_mean(word, names)
+def check_stones(stones: Iterable[Stone], options: dict[str, Any]) -> None:
+    """Check the options for each stone, before any work begins."""
+    for stone in stones:
+        view_and_model(stone, options)
+
+
+def prepare_engine(
+    options: dict[str, Any], stones: Sequence[Stone], out: str | Path | None = None, engine: str | None = None
+) -> None:
+    """Check that the engine can trace the stones, and make it ready; say so if that takes a while.
+
+    Parameters
+    ----------
+    options : dict
+        As of `trace_options`.
+    stones : sequence of Stone
+        What is to be traced.
+    out : str or Path, optional
+        The folder that results go to: whether it can be written is checked before anything is compiled.
+    engine : str, optional
+        Another engine than that of the options.
+    """
+    from gemrender.engines import require_engine
+
+    if out is not None:
+        from gemrender.report.files import check_folder
+
+        check_folder(out)
+    with patience("the exact engine is compiled for this machine, once: about ten seconds"):
+        require_engine(engine or options["engine"], options["variant"], stones=stones, bound=options["bound"])

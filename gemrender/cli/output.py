@@ -2,48 +2,75 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
 
+from gemrender.errors import InputError
+
 if TYPE_CHECKING:
     from rich.console import Console
 
-__all__ = ["patience", "print_json", "progress_bar", "say", "stdout"]
+    from gemrender.report.formats import TextTable
+
+__all__ = [
+    "output_file",
+    "patience",
+    "print_csv",
+    "print_json",
+    "print_records",
+    "progress_bar",
+    "renamed",
+    "say",
+    "stdout",
+]
 
 #: Progress is shown of work that takes longer [s].
 _PATIENCE = 1.0
-#: Least width of a table [characters]: that of a terminal of old.
-_LEAST_WIDTH = 80
+#: Width of tables in a file [characters]: no line is broken.
+_UNLIMITED = 100_000
 
 
 @contextmanager
 def progress_bar(total: int) -> Iterator[Callable[[int, str], Callable[[float], None]]]:
     """Show a bar on a terminal once the work has taken a second; yields a callback for each of its steps."""
     from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich.progress import BarColumn, Progress, TextColumn
+
+    from gemrender.progress import ProgressLines, TimeLeft, duration_words
 
     console = Console(stderr=True)
+    if not console.is_terminal:
+        with ProgressLines(say) as lines:
+            yield (
+                lambda number, description: lambda share: lines.update((number + share) / total, description)
+            )
+        return
+    left = TimeLeft()
     bar = Progress(
         TextColumn("{task.description}", markup=False),
         BarColumn(),
         TextColumn("{task.percentage:3.0f} %"),
-        TimeRemainingColumn(),
+        TextColumn("{task.fields[left]}", markup=False),
         console=console,
         transient=True,
     )
-    task = bar.add_task("", total=total)
+    task = bar.add_task("", total=total, left="")
     started = time.monotonic()
 
     def step(number: int, description: str) -> Callable[[float], None]:
         def advance(share: float) -> None:
-            bar.update(task, completed=number + share, description=description)
-            waited = time.monotonic() - started > _PATIENCE
-            if waited and console.is_terminal and not bar.live.is_started:
+            left.update((number + share) / total)
+            seconds = left.seconds()
+            words = "" if seconds is None else f"about {duration_words(seconds)} left"
+            bar.update(task, completed=number + share, description=description, left=words)
+            if time.monotonic() - started > _PATIENCE and not bar.live.is_started:
                 bar.start()
 
         return advance
@@ -73,21 +100,83 @@ def patience(message: str) -> Iterator[None]:
 
 
 def stdout() -> Console:
-    """Return a console whose tables lose no digit on a narrow terminal, and are never wrapped in a file."""
+    """Return a console for tables: as wide as the terminal, and in a file as wide as they are.
+
+    The variable COLUMNS wins over both.
+    """
     from rich.console import Console
 
     console = Console()
-    return Console(width=max(console.width, _LEAST_WIDTH) if console.is_terminal else 1000)
+    if not console.is_terminal and "COLUMNS" not in os.environ:
+        return Console(width=_UNLIMITED)
+    return console
 
 
 def print_json(value: Any) -> None:
     """Print a value as JSON on stdout."""
-    import json
+    from gemrender.report.formats import format_json
 
-    typer.echo(json.dumps(value, indent=2))  # ASCII, for any encoding that stdout may have
+    typer.echo(format_json(value))
+
+
+def print_csv(records: Iterable[Mapping[str, Any]]) -> None:
+    """Print records as CSV on stdout, line by line as they come."""
+    from gemrender.report.formats import csv_lines
+
+    for line in csv_lines(records):
+        typer.echo(line)
+
+
+def print_records(
+    form: str,
+    *,
+    tables: Callable[[], Sequence[TextTable]],
+    records: Callable[[], Iterable[Mapping[str, Any]]],
+    values: Callable[[], Any] | None = None,
+) -> None:
+    """Print results in one of the forms.
+
+    Parameters
+    ----------
+    form : {"table", "json", "csv", "markdown"}
+        The form.
+    tables : callable
+        Returns tables for people.
+    records : callable
+        Returns flat records for machines.
+    values : callable, optional
+        Returns what JSON has instead of the records.
+    """
+    from gemrender.report.formats import format_markdown, print_tables
+
+    if form == "json":
+        print_json((values or (lambda: list(records())))())
+    elif form == "csv":
+        print_csv(records())
+    elif form == "markdown":
+        typer.echo(format_markdown(tables()))
+    else:
+        print_tables(tables(), stdout())
 
 
 def say(message: str) -> None:
     """Tell people something, on stderr."""
     if sys.stderr is not None:  # closed; print would turn to stdout
         print(message, file=sys.stderr)
+
+
+def renamed(old: str, old_value: Any, new: str, new_value: Any, default: Any) -> tuple[Any, list[str]]:
+    """Return an option's value, given by its new name or by its old one, and what is to be said of that."""
+    if old_value is None:
+        return default if new_value is None else new_value, []
+    if new_value is not None:
+        raise InputError(f"is the old name of {new}; give one of them", key=old, value=old_value)
+    return old_value, [f"gemrender: {old} is called {new} in this command now"]
+
+
+def output_file(out: str, name: str) -> str:
+    """Return the file to write: `out`, or the file of that name in it where it is a folder.
+
+    Folders are there already, or end in a slash.
+    """
+    return str(Path(out, name)) if out.endswith(("/", os.sep)) or Path(out).is_dir() else out

@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
+import errno
+import io
+import logging
+import os
 import sys
+from collections.abc import Iterator
 from typing import Annotated, Any, NoReturn
 
 import typer
@@ -10,18 +16,23 @@ from typer.core import TyperGroup
 
 from gemrender.cli.about import doctor, materials, setups, stones
 from gemrender.cli.compare import compare
-from gemrender.cli.options import ARGUMENTS, listed
+from gemrender.cli.crosscheck import crosscheck
 from gemrender.cli.output import say
 from gemrender.cli.render import render
 from gemrender.cli.report import report
 from gemrender.cli.scene import scene
-from gemrender.cli.score import crosscheck, score
+from gemrender.cli.score import score
 from gemrender.cli.sensitivity import sensitivity
 from gemrender.cli.show import show
 from gemrender.cli.symmetry import symmetry
+from gemrender.cli.values import OptionError, listed
 from gemrender.errors import GemrenderError, InputError
+from gemrender.interruption import interrupted_by_signals
 
 __all__ = ["app", "main", "run"]
+
+#: Exit status after Ctrl-C, by the shells' convention.
+_INTERRUPTED = 130
 
 #: click's errors, wherever this version of typer keeps them.
 _click: Any = sys.modules[typer.BadParameter.__module__]
@@ -31,7 +42,7 @@ class _Commands(TyperGroup):
     """The commands; an unknown one is refused in gemrender's form."""
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        if args[0] not in self.commands:
+        if args[0] not in self.commands and not ctx.resilient_parsing:  # where a shell completes
             raise InputError(f"must be one of {listed(args[0], self.commands)}", key="COMMAND", value=args[0])
         return super().resolve_command(ctx, args)
 
@@ -40,7 +51,6 @@ app = typer.Typer(
     cls=_Commands,
     help="See, measure and improve how a cut stone handles light.",
     context_settings={"help_option_names": ["-h", "--help"]},
-    add_completion=False,
     pretty_exceptions_enable=False,
 )
 
@@ -51,8 +61,20 @@ for _command in (
     app.command()(_command)
 
 
+class _ClosedOutput(io.TextIOBase):
+    """A standard output that was closed: who prints to it fails, and is told."""
+
+    def write(self, text: str) -> int:
+        raise OSError(errno.EBADF, "standard output is closed")
+
+
 def main(arguments: list[str] | None = None) -> NoReturn:
     """Run the command line; errors are one line on stderr, and the exit status is theirs."""
+    if sys.stdout is None:
+        # Its number is taken, else the next file to be opened would have it, and get what libraries print.
+        while os.open(os.devnull, os.O_WRONLY) < 1:
+            pass
+        sys.stdout = _ClosedOutput()
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):  # a terminal that lacks a letter shows a question mark
             stream.reconfigure(errors="replace")
@@ -61,8 +83,32 @@ def main(arguments: list[str] | None = None) -> NoReturn:
 
 def run(arguments: list[str] | None) -> int:
     """Run the command line and return its exit status."""
+    with interrupted_by_signals() as status_of_interruption, _log_on_stderr():
+        status = _run(arguments)
+    if status != _INTERRUPTED:  # typer makes an exit of an interruption, too
+        return status
+    say("gemrender: interrupted")
+    return status_of_interruption()
+
+
+@contextlib.contextmanager
+def _log_on_stderr() -> Iterator[None]:
+    """Show the warnings that parts of gemrender log, as the commands' own messages."""
+    handler = logging.Handler(logging.WARNING)
+    handler.emit = lambda record: say(f"gemrender: {record.getMessage()}")  # type: ignore[method-assign]
+    log = logging.getLogger("gemrender")
+    log.addHandler(handler)
     try:
-        status = int(app(arguments, standalone_mode=False) or 0)
+        yield
+    finally:
+        log.removeHandler(handler)
+
+
+def _run(arguments: list[str] | None) -> int:
+    try:
+        return int(app(arguments, standalone_mode=False) or 0)
+    except OptionError as refused:
+        return _fail(refused.error)
     except InputError as error:
         return _fail(_as_argument(error))
     except GemrenderError as error:
@@ -70,16 +116,13 @@ def run(arguments: list[str] | None) -> int:
     except _click.UsageError as error:
         return _fail(_usage_error(error))
     except (KeyboardInterrupt, typer.Abort):
-        status = 130
+        return _INTERRUPTED
     except BrokenPipeError:  # the reader has seen enough
         return 1
     except OSError as error:  # a full disk behind stdout, for one
         return _fail(GemrenderError(f"input or output failed: {error.strerror or error}"))
     except MemoryError:
         return _fail(GemrenderError("out of memory; a smaller --resolution needs less"))
-    if status == 130:  # typer makes an exit of an interruption
-        say("gemrender: interrupted")
-    return status
 
 
 def _fail(error: GemrenderError) -> int:
@@ -89,9 +132,14 @@ def _fail(error: GemrenderError) -> int:
 
 def _as_argument(error: InputError) -> InputError:
     """Tell an error that came from no file as one of the command line's arguments and options."""
-    if error.source is not None or error.key not in ARGUMENTS:
+    if error.source is not None or error.key is None:
         return error
-    return InputError(error.allowed, key=ARGUMENTS[error.key], value=error.value)
+    group: Any = typer.main.get_command(app)
+    given = {name for command in group.commands.values() for param in command.params for name in param.opts}
+    option = f"--{error.key.replace('_', '-')}"
+    if error.key == "stone":
+        return InputError(error.allowed, key="STONE", value=error.value)
+    return InputError(error.allowed, key=option, value=error.value) if option in given else error
 
 
 def _usage_error(error: Any) -> InputError:
@@ -99,6 +147,7 @@ def _usage_error(error: Any) -> InputError:
     context = error.ctx
     if isinstance(error, _click.NoSuchOption):
         options = [name for param in context.command.get_params(context) for name in param.opts]
+        options.sort(key=lambda name: name.endswith("-completion"))
         allowed = listed(error.option_name, (name for name in options if name.startswith("--")))
         return InputError(f"unknown option; must be one of {allowed}", key=error.option_name)
     if isinstance(error, _click.MissingParameter):

@@ -8,129 +8,170 @@ from typing import Annotated, Any
 
 import typer
 
-from gemrender.cli.gems import SIZE, Carat, Diameter, Material, Size, load_gems, picture_size
-from gemrender.cli.options import Stones, number, whole
-from gemrender.cli.output import progress_bar, say
+from gemrender.cli.gems import SIZE, GemOptions, Setup, Size, load_gems, picture_size
+from gemrender.cli.groups import command
+from gemrender.cli.options import ENGINE, Stones, output_option
+from gemrender.cli.output import output_file, progress_bar, say
+from gemrender.cli.values import choice_option, complete_words, number_option, whole_option
 from gemrender.errors import InputError
 
 __all__ = ["render"]
 
-_FILM = ".mp4"
+#: Headings of the help.
+PICTURE, FILM = "Picture", "Film"
 
 
+@command
 def render(
     stones: Stones,
+    gem: GemOptions,
     out: Annotated[
-        str, typer.Option("--out", "-o", metavar="FILE", help="Picture or film to write: .png, .exr or .mp4.")
+        str,
+        output_option(
+            "Picture or film to write, or the folder for it: .png, .jpg, .webp, .exr; .mp4, .gif, .webp.",
+            "FILE",
+        ),
     ],
-    setup: Annotated[
-        str, typer.Option(metavar="NAME", help="Set-up: a bundled one (see: gemrender setups) or a file.")
-    ] = "studio",
+    setup: Annotated[str, Setup] = "studio",
     size: Size = SIZE,
-    spp: Annotated[
+    quality: Annotated[
         str | None,
-        typer.Option(
-            metavar="NUMBER",
-            help="Samples a pixel; by default 256, and without end where a noise or a time is given.",
+        choice_option(
+            "--quality",
+            ("draft", "good", "best"),
+            "Where to end, in a word; by default good, 256 samples. Samples or a noise stand in its place.",
+            metavar="WORD",
         ),
     ] = None,
+    spp: Annotated[int | None, whole_option("--spp", "Samples a pixel.")] = None,
     noise: Annotated[
-        str | None,
-        typer.Option(metavar="SHARE", help="End at this noise: error of luminance by its mean, as 0.02."),
+        float | None,
+        number_option(
+            "--noise",
+            "0 to 1",
+            "End at this noise: error of luminance by its mean.",
+            metavar="SHARE",
+        ),
     ] = None,
     time: Annotated[
-        str | None, typer.Option(metavar="SECONDS", help="End after this time (each frame of a film).")
+        float | None,
+        number_option("--time", "seconds", "End after this time (each frame of a film).", metavar="SECONDS"),
     ] = None,
-    material: Material = None,
-    carat: Carat = None,
-    diameter: Diameter = None,
     dispersion: Annotated[bool, typer.Option(help="Whether the index depends on the wavelength.")] = True,
+    turn: Annotated[
+        float,
+        number_option("--turn", "degrees", "Turn of the stones about the vertical.", metavar="DEGREES"),
+    ] = 0.0,
+    seed: Annotated[int, whole_option("--seed", "Seed.")] = 0,
+    variant: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME",
+            help="Spectral Mitsuba variant.",
+            autocompletion=complete_words(lambda: ("llvm_ad_spectral", "cuda_ad_spectral")),
+            rich_help_panel=ENGINE,
+        ),
+    ] = "llvm_ad_spectral",
+    background: Annotated[
+        str,
+        choice_option(
+            "--background",
+            ("setup", "transparent"),
+            "What is seen beside the stones.",
+            metavar="WORD",
+            rich_help_panel=PICTURE,
+        ),
+    ] = "setup",
     denoise: Annotated[
-        bool, typer.Option("--denoise", help="Denoise the picture; needs mitsuba-oidn.")
+        bool,
+        typer.Option("--denoise", help="Denoise the picture; needs mitsuba-oidn.", rich_help_panel=PICTURE),
     ] = False,
     exposure: Annotated[
-        str, typer.Option(metavar="STOPS", help="Correction of the automatic exposure.")
-    ] = "0",
+        float,
+        number_option(
+            "--exposure",
+            "stops",
+            "Correction of the automatic exposure.",
+            metavar="STOPS",
+            rich_help_panel=PICTURE,
+        ),
+    ] = 0.0,
     curve: Annotated[
-        str, typer.Option(metavar="linear|filmic", help="Tone curve of PNG pictures and films.")
+        str,
+        choice_option(
+            "--curve",
+            ("linear", "filmic"),
+            "Tone curve of all but EXR pictures.",
+            metavar="CURVE",
+            rich_help_panel=PICTURE,
+        ),
     ] = "filmic",
     bins: Annotated[
-        str | None, typer.Option(metavar="NUMBER", help="Spectral bins of an EXR picture.")
+        int | None,
+        whole_option("--bins", "Spectral bins of an EXR picture.", low=1, high=200, rich_help_panel=PICTURE),
     ] = None,
     range_: Annotated[
-        str, typer.Option("--range", metavar="NM,NM", help="Wavelengths that the bins cover.")
+        str,
+        typer.Option(
+            "--range", metavar="NM,NM", help="Wavelengths that the bins cover.", rich_help_panel=PICTURE
+        ),
     ] = "380,760",
     frames: Annotated[
-        str | None, typer.Option(metavar="NUMBER", help="Frames of a film of one turn (.mp4).")
+        int | None,
+        whole_option("--frames", "Frames of a film of one turn (.mp4, .gif or .webp).", rich_help_panel=FILM),
     ] = None,
-    fps: Annotated[str, typer.Option(metavar="NUMBER", help="Frames a second.")] = "30",
-    turn: Annotated[
-        str, typer.Option(metavar="DEGREES", help="Turn of the stones about the vertical.")
-    ] = "0",
-    seed: Annotated[str, typer.Option(metavar="NUMBER", help="Seed.")] = "0",
-    variant: Annotated[
-        str, typer.Option(metavar="NAME", help="Spectral Mitsuba variant.")
-    ] = "llvm_ad_spectral",
+    fps: Annotated[
+        float,
+        number_option("--fps", "frames a second", "Frames a second.", metavar="NUMBER", rich_help_panel=FILM),
+    ] = 30.0,
 ) -> None:
     """Render stones photoreally: spectra, dispersion, studio light."""
-    from gemrender.render.develop import CURVES, EV_LIMIT
-    from gemrender.render.finish import STILL_SUFFIXES
+    from gemrender.render.develop import EV_LIMIT
+    from gemrender.render.formats import output_kind
     from gemrender.render.frames import check_film
     from gemrender.render.photoreal import require_denoiser
-    from gemrender.report.files import prepare_folder
+    from gemrender.render.quality import Quality, ends_of
+    from gemrender.report.files import file_stems, prepare_folder
     from gemrender.scene.setup import load_setup
 
-    path = Path(out)
+    default = file_stems(stones)[0] + (".mp4" if frames else ".png")
+    path = Path(output_file(out, default))
     suffix = path.suffix.lower()
-    if suffix not in (*STILL_SUFFIXES, _FILM):
-        raise InputError(f"must end in {', '.join((*STILL_SUFFIXES, _FILM))}", key="out", value=out)
-    if not path.parent.is_dir():
-        raise InputError("is in a folder that is not there", key="out", value=out)
-    if path.is_dir():
-        raise InputError("is a folder", key="out", value=out)
-    if frames is None and suffix == _FILM:
-        raise InputError("missing: a film needs a number of frames", key="frames")
-    if frames is not None and suffix != _FILM:
-        raise InputError(f"go with a film, a file that ends in {_FILM}", key="frames", value=frames)
-    if curve not in CURVES:
-        raise InputError(f"must be one of {', '.join(CURVES)}", key="curve", value=curve)
     width, height = picture_size(size)
-    ends: dict[str, Any] = {
-        "spp": None if spp is None else whole("spp", spp),
-        "noise": None if noise is None else number("noise", noise, "0 to 1"),
-        "time_limit": None if time is None else number("time", time, "seconds"),
-    }
-    if all(value is None for value in ends.values()):
-        ends["spp"] = 256
-    gems = load_gems(stones, material, carat, diameter)
+    transparent = background == "transparent"
+    kind = output_kind(path, frames=frames, transparent=transparent, size=(width, height))
+    ends = ends_of(Quality(quality) if quality else None, spp=spp, noise=noise, time_limit=time)
+    gems = load_gems(stones, gem)
     around = load_setup(setup)
-    options = {
+    options: dict[str, Any] = {
         "width": width,
         "height": height,
         **ends,
-        "seed": whole("seed", seed),
+        "seed": seed,
         "dispersion": dispersion,
+        "transparent": transparent,
         "variant": variant,
     }
-    ev, turn_deg = number("exposure", exposure, "stops"), number("turn", turn)
     bins_nm = _bins(bins, range_, suffix)
-    if abs(ev + around.exposure) > EV_LIMIT:
+    if abs(exposure + around.exposure) > EV_LIMIT:
         allowed = f"must be from {-EV_LIMIT:g} to {EV_LIMIT:g} with the set-up's own, {around.exposure:g}"
         raise InputError(allowed, key="exposure", value=exposure)
-    if suffix == _FILM and turn_deg:
+    if kind == "film" and turn:
         raise InputError("is for still pictures only", key="turn", value=turn)
     if denoise:
         require_denoiser()
     prepare_folder(path.parent)
-    if suffix == _FILM:
-        n_frames, rate = whole("frames", frames or ""), number("fps", fps, "frames a second")
-        check_film(path, width, height, n_frames, rate)
-        _film(path, gems, around, frames=n_frames, fps=rate, ev=ev, curve=curve, denoise=denoise, **options)
+    shown: dict[str, Any] = {"ev": exposure, "curve": curve, "denoise": denoise}
+    if frames is not None:
+        check_film(path, width, height, frames, fps)
+        _film(path, gems, around, frames=frames, fps=fps, **shown, **options)
     else:
-        _still(path, gems, around, ev, curve, denoise, turn_deg=turn_deg, bins_nm=bins_nm, **options)
+        _still(path, gems, around, turn_deg=turn, bins_nm=bins_nm, **shown, **options)
 
 
-def _still(path: Path, gems: Any, setup: Any, ev: float, curve: str, denoise: bool, **options: Any) -> None:
+def _still(
+    path: Path, gems: Any, setup: Any, *, ev: float, curve: str, denoise: bool, **options: Any
+) -> None:
     from gemrender.render.finish import denoised, exposure_of, write_picture
     from gemrender.render.photoreal import render as render_picture
 
@@ -173,19 +214,19 @@ def _film(path: Path, gems: Any, setup: Any, *, frames: int, **options: Any) -> 
     say(f"written: {path}")
 
 
-def _bins(bins: str | None, range_: str, suffix: str) -> list[float] | None:
+def _bins(bins: int | None, range_: str, suffix: str) -> list[float] | None:
     from gemrender.render.passes import check_range
 
-    low, comma, high = range_.partition(",")
-    if not comma:
-        raise InputError("must be two wavelengths, as 380,760 [nm]", key="range", value=range_)
-    first, last = number("range", low, "nanometres"), number("range", high, "nanometres")
+    allowed = "must be two wavelengths, as 380,760 [nm]"
+    try:
+        first, last = (float(part) for part in range_.split(","))
+    except ValueError as error:
+        raise InputError(allowed, key="range", value=range_) from error
+    if not (isfinite(first) and isfinite(last)):
+        raise InputError(allowed, key="range", value=range_)
     check_range(first, last)
     if bins is None:
         return None
     if suffix != ".exr":
         raise InputError("go into EXR pictures only", key="bins", value=bins)
-    n = whole("bins", bins)
-    if not 1 <= n <= 200:
-        raise InputError("must be from 1 to 200", key="bins", value=bins)
-    return [first + (last - first) * k / n for k in range(n + 1)]
+    return [first + (last - first) * k / bins for k in range(bins + 1)]

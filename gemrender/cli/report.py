@@ -4,57 +4,46 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import typer
-
+from gemrender.cli.groups import command
 from gemrender.cli.options import (
-    RESOLUTION,
-    Engine,
-    Fresnel,
-    Intensity,
-    Rear,
-    Resolution,
+    EngineOptions,
+    ModelOptions,
     Stones,
-    Tilt,
-    TiltAzimuth,
-    Variant,
-    load,
+    ViewOptions,
+    output_option,
     prepare_engine,
     trace_options,
 )
-from gemrender.cli.output import progress_bar, say
-from gemrender.engines import DEFAULT_ENGINE, DEFAULT_VARIANT
+from gemrender.cli.output import output_file, progress_bar, say
+from gemrender.cli.stones import load
 
 __all__ = ["report"]
 
 
+@command
 def report(
     stones: Stones,
-    out: Annotated[
-        str, typer.Option("--out", "-o", metavar="FILE", help="The HTML file to write.")
-    ] = "report.html",
-    engine: Engine = DEFAULT_ENGINE,
-    variant: Variant = DEFAULT_VARIANT,
-    resolution: Resolution = RESOLUTION,
-    fresnel: Fresnel = None,
-    rear: Rear = "position",
-    intensity: Intensity = "primary",
-    tilt: Tilt = "0",
-    tilt_azimuth: TiltAzimuth = "0",
+    engine: EngineOptions,
+    model: ModelOptions,
+    view: ViewOptions,
+    out: Annotated[str, output_option("The HTML file to write, or the folder for it.", "FILE")] = (
+        "report.html"
+    ),
 ) -> None:
     """Write a page for the browser: the stones in 3D, their maps, and the ray behind every point."""
     from gemrender.engines import observe
     from gemrender.report.page import check_number, check_target, write_report
 
-    check_number(len(stones))
-    options = trace_options(resolution, fresnel, rear, intensity, tilt, tilt_azimuth)
+    options = trace_options(engine, model, view)
     loaded = load(stones, options)
-    check_target(out)
-    prepare_engine(engine, variant, loaded)
+    check_number(len(loaded))
+    target = output_file(out, "report.html")
+    check_target(target)
+    prepare_engine(options, loaded.samples)
     with progress_bar(len(loaded)) as step:
         # One after the other: the page keeps less of each than its maps.
         traced = (
-            observe(stone, engine=engine, variant=variant, progress=step(i, stone.name), **options)
-            for i, stone in enumerate(loaded)
+            observe(stone, progress=step(i, stone.name), **options) for i, stone in enumerate(loaded.stones)
         )
-        path = write_report(traced, out)
+        path = write_report(traced, target)
     say(f"written: {path}")

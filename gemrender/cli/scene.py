@@ -8,24 +8,23 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from gemrender.cli.gems import SIZE, Carat, Diameter, Material, Size, load_gems, picture_size
+from gemrender.cli.gems import SIZE, GemOptions, Setup, Size, load_gems, picture_size
+from gemrender.cli.groups import command
 from gemrender.cli.options import (
-    RESOLUTION,
-    Fresnel,
-    Intensity,
-    Rear,
+    EngineOptions,
+    ModelOptions,
     Resolution,
     Stones,
-    Tilt,
-    TiltAzimuth,
     Variant,
-    load,
+    ViewOptions,
+    output_option,
     trace_options,
     view_and_model,
-    whole,
 )
 from gemrender.cli.output import say
-from gemrender.engines import DEFAULT_VARIANT
+from gemrender.cli.stones import load
+from gemrender.cli.values import whole_option
+from gemrender.engines import DEFAULT_RESOLUTION, DEFAULT_VARIANT
 from gemrender.errors import InputError
 
 if TYPE_CHECKING:
@@ -41,38 +40,27 @@ _OF_PICTURES = ("stock", "material", "carat", "diameter", "size", "spp")
 _MOST_NAMED = 3
 
 
+@command
 def scene(
     context: typer.Context,
     stones: Stones,
-    out: Annotated[str, typer.Option(metavar="FOLDER", help="Where to write the XML and PLY files.")],
+    model: ModelOptions,
+    view: ViewOptions,
+    gem: GemOptions,
+    out: Annotated[str, output_option("Where to write the XML and PLY files.")],
     variant: Variant = DEFAULT_VARIANT,
-    resolution: Resolution = RESOLUTION,
-    fresnel: Fresnel = None,
-    rear: Rear = "position",
-    intensity: Intensity = "primary",
-    tilt: Tilt = "0",
-    tilt_azimuth: TiltAzimuth = "0",
-    setup: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME",
-            help="Write the scene of a picture instead, with all stones: a bundled set-up "
-            "(see: gemrender setups) or a file.",
-        ),
-    ] = None,
+    resolution: Resolution = DEFAULT_RESOLUTION,
+    setup: Annotated[str | None, Setup] = None,
     stock: Annotated[
         bool,
         typer.Option(
             "--stock", help="With Mitsuba's own plugins only, for its program mitsuba: no dispersion, RGB."
         ),
     ] = False,
-    material: Material = None,
-    carat: Carat = None,
-    diameter: Diameter = None,
     size: Size = SIZE,
     spp: Annotated[
-        str, typer.Option(metavar="NUMBER", help="Samples a pixel, where Mitsuba renders the picture.")
-    ] = "64",
+        int, whole_option("--spp", "Samples a pixel, where Mitsuba renders the picture.", low=1, high=1 << 24)
+    ] = 64,
 ) -> None:
     """Write the scored scene of each stone, or with --setup a picture's, as Mitsuba XML with meshes."""
     for key in _OF_SCORES if setup is not None else _OF_PICTURES:
@@ -80,15 +68,16 @@ def scene(
             which = "the scored scene only, not with" if setup is not None else "a picture's scene only, with"
             raise InputError(f"is for {which} --setup", key=f"--{key.replace('_', '-')}")
     if setup is None:
-        _scored(stones, out, variant, trace_options(resolution, fresnel, rear, intensity, tilt, tilt_azimuth))
+        engine = EngineOptions(variant=variant, resolution=resolution)
+        _scored(stones, out, trace_options(engine, model, view))
         return
 
     from gemrender.scene.setup import load_setup
 
-    gems = load_gems(stones, material, carat, diameter)
+    gems = load_gems(stones, gem)
     if not _is_given(context, "variant"):
         variant = "llvm_ad_rgb" if stock else "llvm_ad_spectral"
-    _picture(stones, gems, load_setup(setup), out, variant, picture_size(size), whole("spp", spp), stock)
+    _picture(stones, gems, load_setup(setup), out, variant, picture_size(size), spp, stock)
 
 
 def _is_given(context: typer.Context, key: str) -> bool:
@@ -96,15 +85,16 @@ def _is_given(context: typer.Context, key: str) -> bool:
     return source is not None and source.name != "DEFAULT"
 
 
-def _scored(stones: list[str], out: str, variant: str, options: dict[str, Any]) -> None:
+def _scored(stones: list[str], out: str, options: dict[str, Any]) -> None:
     from gemrender.render.backend import ensure_variant
-    from gemrender.report.files import file_stems, prepare_folder
+    from gemrender.report.files import check_folder, file_stems, prepare_folder
     from gemrender.scene.xml import write_scene
 
     loaded = load(stones, options)
-    ensure_variant(variant)
+    check_folder(out)
+    ensure_variant(options["variant"])
     folder = prepare_folder(out)
-    for stone, stem in zip(loaded, file_stems(stones), strict=True):
+    for stone, stem in zip(loaded.stones, file_stems(loaded.names), strict=True):
         say(f"written: {write_scene(folder, stem, stone, *view_and_model(stone, options))}")
 
 
@@ -129,12 +119,11 @@ def _picture(
     stock: bool,
 ) -> None:
     from gemrender.render.backend import ensure_variant
-    from gemrender.report.files import file_stems, prepare_folder
+    from gemrender.report.files import check_folder, file_stems, prepare_folder
     from gemrender.scene.photoreal import photoreal_scene
     from gemrender.scene.xml import write_photoreal
 
-    if not 1 <= samples <= 1 << 24:
-        raise InputError(f"must be from 1 to {1 << 24}", key="spp", value=samples)
+    check_folder(out)
     ensure_variant(variant)
     gems = [replace(gem, material_name=_from_anywhere(gem.material_name)) for gem in gems]
     width, height = size

@@ -4,69 +4,76 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import typer
-
+from gemrender.cli.groups import command
 from gemrender.cli.options import (
-    RESOLUTION,
-    Fresnel,
-    Intensity,
-    Json,
-    Rear,
-    Stones,
-    Tilt,
-    TiltAzimuth,
-    load,
+    ENGINE,
+    EngineOptions,
+    ModelOptions,
+    TableOptions,
+    ViewOptions,
+    output_option,
     prepare_engine,
     trace_options,
     view_and_model,
 )
-from gemrender.cli.output import print_json, progress_bar, say, stdout
-from gemrender.engines import DEFAULT_VARIANT
+from gemrender.cli.output import print_records, progress_bar, renamed, say
+from gemrender.cli.stones import StoneOptions, load
+from gemrender.cli.values import number_option
 
 __all__ = ["sensitivity"]
 
+#: Wanted error bound of a derivative [% per unit].
+_DEFAULT_BOUND = 0.2
 
+
+@command
 def sensitivity(
-    stones: Stones,
-    fresnel: Fresnel = None,
-    rear: Rear = "position",
-    intensity: Intensity = "primary",
-    tilt: Tilt = "0",
-    tilt_azimuth: TiltAzimuth = "0",
-    bound: Annotated[
-        str, typer.Option(metavar="PERCENT", help="Wanted error bound of the derivatives, per unit.")
-    ] = "0.2",
-    as_json: Json = False,
-    out: Annotated[
-        str | None, typer.Option(metavar="FOLDER", help="Where to write a figure for each stone.")
+    given: StoneOptions,
+    model: ModelOptions,
+    view: ViewOptions,
+    table: TableOptions,
+    derivative_bound: Annotated[
+        float | None,
+        number_option(
+            "--derivative-bound",
+            "per cent",
+            f"Wanted error bound of the derivatives, per unit; {_DEFAULT_BOUND:g} by default.",
+            metavar="PERCENT",
+            rich_help_panel=ENGINE,
+        ),
     ] = None,
+    bound: Annotated[
+        float | None, number_option("--bound", "per cent", "Old name.", metavar="PERCENT", hidden=True)
+    ] = None,
+    out: Annotated[str | None, output_option("Where to write a figure for each stone.")] = None,
 ) -> None:
     """Differentiate Average and Rear by each proportion and angle: exact, moving edges included."""
     from gemrender.beam.sensitivity import check_differentiable
     from gemrender.beam.sensitivity import sensitivity as differentiate
     from gemrender.report.files import file_stems, prepare_folder
+    from gemrender.report.sensitivity import sensitivity_records, sensitivity_table, write_sensitivity
 
-    options = trace_options(RESOLUTION, fresnel, rear, intensity, tilt, tilt_azimuth, bound)
-    loaded = load(stones, options)
-    for stone in loaded:
+    form = table.chosen
+    wanted, notes = renamed("--bound", bound, "--derivative-bound", derivative_bound, _DEFAULT_BOUND)
+    options = trace_options(EngineOptions(engine="exact", bound=wanted), model, view)
+    loaded = load(given.stones, options, given.settings)
+    for stone in loaded.stones:
         check_differentiable(stone)
-    prepare_engine("exact", DEFAULT_VARIANT, loaded, options["bound"])
+    prepare_engine(options, loaded.samples, out)
+    for words in (*notes, *loaded.notes):
+        say(words)
     folder = None if out is None else prepare_folder(out)
     found = []
     with progress_bar(len(loaded)) as step:
-        for i, (stone, stem) in enumerate(zip(loaded, file_stems(stones), strict=True)):
-            view, model = view_and_model(stone, options)
+        for i, (stone, stem) in enumerate(zip(loaded.stones, file_stems(loaded.names), strict=True)):
+            at, rules = view_and_model(stone, options)
             progress = step(i, stone.name)
-            found.append(
-                differentiate(stone, view=view, model=model, bound=options["bound"], progress=progress)
-            )
+            found.append(differentiate(stone, view=at, model=rules, bound=wanted, progress=progress))
             if folder is not None:
-                from gemrender.report.sensitivity import write_sensitivity
-
                 say(f"written: {write_sensitivity(found[-1], folder, stem)}")
-    if as_json:
-        print_json([s.to_dict() for s in found])
-    else:
-        from gemrender.report.sensitivity import print_sensitivities
-
-        print_sensitivities(found, stdout())
+    print_records(
+        form,
+        tables=lambda: [sensitivity_table(found)],
+        values=lambda: [s.to_dict() for s in found],
+        records=lambda: [record for s in found for record in sensitivity_records(s)],
+    )

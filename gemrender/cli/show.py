@@ -4,28 +4,24 @@ from __future__ import annotations
 
 import math
 import re
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from gemrender.cli.groups import command
 from gemrender.cli.options import (
-    RESOLUTION,
-    Engine,
-    Fresnel,
-    Intensity,
-    Rear,
-    Resolution,
+    OUTPUT,
+    EngineOptions,
+    ModelOptions,
     Stones,
-    Variant,
-    load,
-    number,
+    output_option,
     prepare_engine,
     trace_options,
     view_and_model,
-    whole,
 )
 from gemrender.cli.output import progress_bar, say
-from gemrender.engines import DEFAULT_ENGINE, DEFAULT_VARIANT
+from gemrender.cli.stones import load
+from gemrender.cli.values import choice_option, number_option, whole_option
 from gemrender.errors import BackendError, InputError
 
 if TYPE_CHECKING:
@@ -43,11 +39,16 @@ _FORMATS = {
 }
 
 
+@command
 def show(
     stones: Stones,
+    engine: EngineOptions,
+    model: ModelOptions,
     what: Annotated[
         list[str] | None,
-        typer.Option(metavar="|".join((*_WHATS, "all")), help="What to show; may be given several times."),
+        choice_option(
+            "--what", (*_WHATS, "all"), "What to show; may be given several times.", metavar="DISPLAY"
+        ),
     ] = None,
     at: Annotated[
         list[str] | None,
@@ -58,63 +59,61 @@ def show(
         ),
     ] = None,
     azimuth: Annotated[
-        str,
-        typer.Option(
-            metavar="DEGREES", help="Azimuth of the fan's section, and to the right in the rays' side view."
+        float,
+        number_option(
+            "--azimuth",
+            "degrees",
+            "Azimuth of the fan's section, and to the right in the rays' side view.",
+            metavar="DEGREES",
         ),
-    ] = "0",
-    rays: Annotated[str, typer.Option(metavar="NUMBER", help="Rays of the fan.")] = "24",
+    ] = 0.0,
+    rays: Annotated[int, whole_option("--rays", "Rays of the fan.")] = 24,
     colour: Annotated[
         str,
-        typer.Option(
-            metavar="intensity|reflections|facet",
-            help="What the colours of virtual facets tell: intensity, number of reflections, or the kind of "
-            "facet that the light comes in through.",
+        choice_option(
+            "--colour",
+            ("intensity", "reflections", "facet"),
+            "What the colours of virtual facets tell: intensity, number of reflections, or the kind of facet "
+            "that the light comes in through.",
+            metavar="QUANTITY",
         ),
     ] = "intensity",
-    out: Annotated[str, typer.Option(metavar="FOLDER", help="Where to write the pictures.")] = ".",
     form: Annotated[
-        str, typer.Option("--format", metavar="|".join(_FORMATS), help="Format of the pictures.")
+        str,
+        choice_option(
+            "--format", _FORMATS, "Format of the pictures.", metavar="FORMAT", rich_help_panel=OUTPUT
+        ),
     ] = "png",
-    engine: Engine = DEFAULT_ENGINE,
-    variant: Variant = DEFAULT_VARIANT,
-    resolution: Resolution = RESOLUTION,
-    fresnel: Fresnel = None,
-    rear: Rear = "position",
-    intensity: Intensity = "primary",
+    out: Annotated[str, output_option("Where to write the pictures.")] = ".",
 ) -> None:
     """Draw stones: outline, vertices, shape, triangles, rays, a fan, the map, virtual facets."""
     # Everything is checked before anything is drawn.
     asked = what or ["all"]
-    shown = _displays(asked)
+    shown = [name for name in _WHATS if name in asked or "all" in asked]
     points = _points(at)
-    turn, in_fan = number("azimuth", azimuth), whole("rays", rays)
-    options = trace_options(resolution, fresnel, rear, intensity, "0", "0")
-    if form not in _FORMATS:
-        raise InputError(f"must be one of {', '.join(_FORMATS)}", key="format", value=form)
+    options = trace_options(engine, model)
 
     from gemrender.report.displays import write_display
     from gemrender.report.displays.rays import check_fan, check_points
-    from gemrender.report.facets import check_colour
     from gemrender.report.files import file_stems, prepare_folder
 
     loaded = load(stones, options)
     if "rays" in shown and points is not None:
-        for stone in loaded:
+        for stone in loaded.stones:
             check_points(stone, points, view_and_model(stone, options)[1])
-    check_fan(in_fan)
-    check_colour(colour)
+    check_fan(rays)
     if "map" in shown:
-        prepare_engine(engine, variant, loaded)
+        prepare_engine(options, loaded.samples, out)
     if "facets" in asked:
-        prepare_engine("exact", variant, loaded)
+        prepare_engine(options, loaded.samples, out, engine="exact")
     folder = prepare_folder(out)
     jobs = [
         (stone, stem, display)
-        for stone, stem in zip(loaded, file_stems(stones), strict=True)
+        for stone, stem in zip(loaded.stones, file_stems(loaded.names), strict=True)
         for display in shown
-        if display != "facets" or "facets" in asked or _has_facets(stone, variant)
+        if display != "facets" or "facets" in asked or _has_facets(stone, options)
     ]
+    drawn = {key: options[key] for key in ("engine", "variant", "resolution", "fresnel", "rear", "intensity")}
     with progress_bar(len(jobs)) as step:
         for i, (stone, stem, display) in enumerate(jobs):
             written = write_display(
@@ -124,36 +123,24 @@ def show(
                 stem,
                 formats=_FORMATS[form],
                 at=points,
-                azimuth_deg=turn,
-                rays=in_fan,
-                engine=engine,
-                variant=variant,
-                resolution=options["resolution"],
-                fresnel=fresnel,
-                rear=rear,
-                intensity=intensity,
+                azimuth_deg=azimuth,
+                rays=rays,
                 colour=colour,
+                **drawn,
             )
             step(i, f"{stone.name}: {display}")(1.0)
             for path in written:
                 say(f"written: {path}")
 
 
-def _has_facets(stone: Stone, variant: str) -> bool:
+def _has_facets(stone: Stone, options: dict[str, Any]) -> bool:
     """Tell whether the stone's virtual facets can be drawn, and say so if not."""
     try:
-        prepare_engine("exact", variant, [stone])
+        prepare_engine(options, [stone], engine="exact")
     except (InputError, BackendError) as error:
         say(f"virtual facets left out: {error}")
         return False
     return True
-
-
-def _displays(names: list[str]) -> list[str]:
-    for name in names:
-        if name not in (*_WHATS, "all"):
-            raise InputError(f"must be one of {', '.join(_WHATS)}, all", key="what", value=name)
-    return [name for name in _WHATS if name in names or "all" in names]
 
 
 def _points(texts: list[str] | None) -> list[tuple[float, float]] | None:

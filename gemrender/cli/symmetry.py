@@ -2,93 +2,125 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated, Any
 
-import typer
-
+from gemrender.cli.groups import command
 from gemrender.cli.options import (
-    Engine,
-    Fresnel,
-    Intensity,
-    Json,
-    Rear,
+    VIEW,
+    EngineOptions,
+    ModelOptions,
     Resolution,
-    Stones,
-    Variant,
-    load,
-    number,
+    TableOptions,
+    TiltAzimuth,
+    ViewOptions,
+    output_option,
     prepare_engine,
     trace_options,
-    whole,
 )
-from gemrender.cli.output import print_json, progress_bar, say, stdout
-from gemrender.engines import DEFAULT_ENGINE, DEFAULT_VARIANT
+from gemrender.cli.output import print_records, progress_bar, say
+from gemrender.cli.stones import StoneOptions, load
+from gemrender.cli.values import number_option, whole_option
 
 __all__ = ["symmetry"]
 
+#: Standard deviation that facets are tilted by unless another is asked for [deg].
+_DEFAULT_DEVIATION = 0.5
 
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StudyEngineOptions(EngineOptions):
+    """What traces the draws: hundreds of stones, so with fewer pixels, where an engine has pixels."""
+
+    resolution: Resolution = 256
+
+
+@command
 def symmetry(
-    stones: Stones,
-    tilt: Annotated[
-        str,
-        typer.Option(metavar="DEGREES", help="Standard deviation of the angles that facets are tilted by."),
-    ] = "0.5",
-    jitter: Annotated[
-        str,
-        typer.Option(
-            metavar="RADII",
-            help="Jitter the 57 vertices instead: standard deviation of each coordinate, in girdle radii.",
+    given: StoneOptions,
+    engine: StudyEngineOptions,
+    model: ModelOptions,
+    table: TableOptions,
+    deviation: Annotated[
+        float | None,
+        number_option(
+            "--deviation",
+            "degrees",
+            "Standard deviation of the angles that facets are tilted by, 0 to 5; "
+            f"{_DEFAULT_DEVIATION:g} by default.",
+            metavar="DEGREES",
         ),
-    ] = "0",
-    draws: Annotated[str, typer.Option(metavar="NUMBER", help="Number of draws.")] = "200",
-    seed: Annotated[str, typer.Option(metavar="NUMBER", help="Seed of the draws.")] = "1",
-    engine: Engine = DEFAULT_ENGINE,
-    variant: Variant = DEFAULT_VARIANT,
-    resolution: Resolution = "256",
-    fresnel: Fresnel = None,
-    rear: Rear = "position",
-    intensity: Intensity = "primary",
-    as_json: Json = False,
+    ] = None,
+    jitter: Annotated[
+        float,
+        number_option(
+            "--jitter",
+            "girdle radii",
+            "Jitter the 57 vertices instead: standard deviation of each coordinate, in girdle radii.",
+            metavar="RADII",
+        ),
+    ] = 0.0,
+    draws: Annotated[int, whole_option("--draws", "Number of draws.")] = 200,
+    seed: Annotated[int, whole_option("--seed", "Seed of the draws.")] = 1,
+    tilt: Annotated[
+        float | None,
+        number_option(
+            "--tilt",
+            "degrees",
+            "Tilt of the eye from the stone's axis, 0 to below 90.",
+            metavar="DEGREES",
+            rich_help_panel=VIEW,
+        ),
+    ] = None,
+    tilt_azimuth: TiltAzimuth = 0.0,
     out: Annotated[
         str | None,
-        typer.Option(
-            metavar="FOLDER",
-            help="Where to write the figure and each draw's scores; a study that was stopped goes on there.",
+        output_option(
+            "Where to write the figure and each draw's scores; a study that was stopped goes on there."
         ),
     ] = None,
 ) -> None:
     """Study what poor symmetry does to the scores: facets tilted at random, many times."""
     from gemrender.report.files import file_stems, prepare_folder
+    from gemrender.report.symmetry import study_records, study_table, write_symmetry_figure
     from gemrender.sweep import check_study, study_symmetry
 
-    options = trace_options(resolution, fresnel, rear, intensity, "0", "0")
-    loaded = load(stones, options)
+    form = table.chosen
+    notes = []
+    if tilt is not None and deviation is None:  # what --tilt meant here once
+        notes.append(
+            f"gemrender: --tilt {tilt:g} is taken as --deviation {tilt:g}, its new name in this command; "
+            "with --deviation, --tilt is the eye's, as everywhere"
+        )
+        deviation, tilt = tilt, None
+    options = trace_options(engine, model, ViewOptions(tilt=tilt or 0.0, tilt_azimuth=tilt_azimuth))
+    loaded = load(given.stones, options, given.settings)
     study: dict[str, Any] = {
-        "tilt_deg": number("tilt", tilt),
-        "jitter": number("jitter", jitter, "girdle radii"),
-        "draws": whole("draws", draws),
-        "seed": whole("seed", seed),
+        "tilt_deg": _DEFAULT_DEVIATION if deviation is None else deviation,
+        "jitter": jitter,
+        "draws": draws,
+        "seed": seed,
     }
-    check_study(loaded, **study)
-    prepare_engine(engine, variant, loaded)
+    check_study(loaded.stones, **study)
+    prepare_engine(options, loaded.samples, out)
+    for words in (*notes, *loaded.notes):
+        say(words)
     folder = None if out is None else prepare_folder(out)
-    stems = file_stems(stones)
-    del options["tilt_deg"], options["tilt_azimuth_deg"]
-    options |= {"engine": engine, "variant": variant}
+    stems = file_stems(loaded.names)
+    if not options["tilt_deg"]:
+        del options["tilt_deg"], options["tilt_azimuth_deg"]
     studies = []
     with progress_bar(len(loaded)) as step:
-        for i, stone in enumerate(loaded):
+        for i, stone in enumerate(loaded.stones):
             journal = None if folder is None else folder / f"{stems[i]}-symmetry.jsonl"
             studies.append(
                 study_symmetry(stone, **study, options=options, journal=journal, progress=step(i, stone.name))
             )
             if folder is not None:
-                from gemrender.report.symmetry import write_symmetry_figure
-
                 say(f"written: {write_symmetry_figure(studies[-1], folder / f'{stems[i]}-symmetry.png')}")
-    if as_json:
-        print_json([s.to_dict() for s in studies])
-    else:
-        from gemrender.report.symmetry import print_studies
-
-        print_studies(studies, stdout())
+    print_records(
+        form,
+        tables=lambda: [study_table(studies)],
+        values=lambda: [s.to_dict() for s in studies],
+        records=lambda: [record for s in studies for record in study_records(s)],
+    )

@@ -1,4 +1,4 @@
-"""From a rendered picture to files: denoised if wished, developed, written as PNG or EXR."""
+"""From a rendered picture to files: denoised if wished, developed, written for the screen or as EXR."""
 
 from __future__ import annotations
 
@@ -13,8 +13,10 @@ import numpy as np
 from gemrender.colorimetry import adapt, matrix_to_linear_srgb, white_xyz, xyz_to_linear_srgb
 from gemrender.errors import InputError
 from gemrender.render.develop import auto_exposure, develop
+from gemrender.render.formats import STILL_SUFFIXES
 from gemrender.render.photoreal import Picture, require_denoiser
 from gemrender.render.picture_files import SPECTRAL_ATTRIBUTES, spectral_channel, write_exr, write_png
+from gemrender.render.web_files import write_jpeg, write_webp
 from gemrender.scene.setup import Setup
 
 __all__ = ["STILL_SUFFIXES", "denoised", "developed", "exposure_of", "write_picture"]
@@ -23,8 +25,6 @@ __all__ = ["STILL_SUFFIXES", "denoised", "developed", "exposure_of", "write_pict
 DENOISER_MB = 1024
 #: Luminance that the ground gets, where it is exposed for.
 PAPER = 0.8
-#: How the names of still pictures end.
-STILL_SUFFIXES = (".png", ".exr")
 
 
 def denoised(picture: Picture) -> Picture:
@@ -36,9 +36,21 @@ def denoised(picture: Picture) -> Picture:
         The denoiser is not installed.
     """
     oidn = require_denoiser()
-    rgb = xyz_to_linear_srgb(picture.xyz)
-    albedo = np.ascontiguousarray(np.clip(picture.albedo, 0, 1))
-    normal = np.ascontiguousarray(picture.normal)
+    xyz = _denoised(oidn, picture.xyz, picture.albedo, picture.normal)
+    front = picture.foreground
+    if front is not None:
+        white = np.repeat(front.alpha[..., None], 3, axis=2)  # the albedo of stones is 1
+        of_stones = _denoised(oidn, front.xyz, white, front.normal)
+        of_stones[front.alpha == 0] = 0
+        front = replace(front, xyz=of_stones)
+    return replace(picture, xyz=xyz, foreground=front)
+
+
+def _denoised(oidn: Any, xyz: np.ndarray, albedo: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    """Return XYZ after the denoiser."""
+    rgb = xyz_to_linear_srgb(xyz)
+    albedo = np.ascontiguousarray(np.clip(albedo, 0, 1))
+    normal = np.ascontiguousarray(normal)
     device, out = oidn.Device(oidn.DeviceType.CPU), np.zeros_like(rgb)
     # It takes values of 0 and above only: those outside the gamut go through it as a picture of their own.
     for sign in (1.0, -1.0):
@@ -51,8 +63,7 @@ def denoised(picture: Picture) -> Picture:
         denoise.max_memory_mb = DENOISER_MB  # it works in tiles, then
         denoise.execute()
         out += sign * result
-    back = np.linalg.inv(matrix_to_linear_srgb()).T.astype(np.float32)
-    return replace(picture, xyz=out @ back)
+    return np.asarray(out @ np.linalg.inv(matrix_to_linear_srgb()).T.astype(np.float32))
 
 
 def exposure_of(picture: Picture, setup: Setup, *, ev: float = 0.0) -> float:
@@ -69,8 +80,18 @@ def exposure_of(picture: Picture, setup: Setup, *, ev: float = 0.0) -> float:
 
 
 def developed(picture: Picture, setup: Setup, *, exposure: float, curve: str = "linear") -> np.ndarray:
-    """Return the picture for the screen, (h, w, 3) uint8 sRGB."""
-    return develop(picture.xyz, white_xyz=white_xyz(setup.white), exposure=exposure, curve=curve)
+    """Return the picture for the screen, uint8 sRGB: (h, w, 3), or (h, w, 4) where there is a foreground.
+
+    The fourth channel is alpha. The others are not multiplied by it: at its edge a stone has its own colour,
+    not one darkened by a background that is not there.
+    """
+    white, front = white_xyz(setup.white), picture.foreground
+    if front is None:
+        return develop(picture.xyz, white_xyz=white, exposure=exposure, curve=curve)
+    alpha = np.rint(255 * np.clip(front.alpha, 0, 1)).astype(np.uint8)
+    own = np.zeros_like(front.xyz)
+    np.divide(front.xyz, front.alpha[..., None], out=own, where=alpha[..., None] > 0)
+    return np.dstack([develop(own, white_xyz=white, exposure=exposure, curve=curve), alpha])
 
 
 def write_picture(
@@ -82,7 +103,10 @@ def write_picture(
     curve: str = "linear",
     about: Mapping[str, str] | None = None,
 ) -> Path:
-    """Write a picture as PNG, developed, or as EXR, with linear values and spectral bins.
+    """Write a picture, developed, as PNG, JPEG or WebP, or as EXR, with linear values and spectral bins.
+
+    Where there is a foreground, it is what is written: in PNG and WebP with alpha, its colour not multiplied
+    by it; in EXR with the channel `A`, all others multiplied by it, as EXR has it. JPEG takes none.
 
     Raises
     ------
@@ -90,17 +114,34 @@ def write_picture(
         Another ending, or a file that cannot be written.
     """
     suffix = Path(path).suffix.lower()
-    if suffix == ".png":
-        return write_png(path, developed(picture, setup, exposure=exposure, curve=curve), about)
-    if suffix != ".exr":
+    if suffix == ".exr":
+        return _write_exr(path, picture, setup, dict(about or {}))
+    if suffix not in STILL_SUFFIXES:
         raise InputError(f"must end in {', '.join(STILL_SUFFIXES)}", key="out", value=str(path))
-    rgb = xyz_to_linear_srgb(adapt(picture.xyz, white_xyz(setup.white)))
+    pixels = developed(picture, setup, exposure=exposure, curve=curve)
+    if suffix == ".png":
+        return write_png(path, pixels, about)
+    write = write_webp if suffix == ".webp" else write_jpeg
+    texts = about or {}
+    return write(path, pixels, title=texts.get("Title", ""), description=texts.get("Description", ""))
+
+
+def _write_exr(
+    path: str | os.PathLike[str], picture: Picture, setup: Setup, attributes: dict[str, Any]
+) -> Path:
+    front = picture.foreground
+    xyz, albedo, normal, coverage = picture.xyz, picture.albedo, picture.normal, picture.coverage
+    if front is not None:
+        xyz, normal, coverage = front.xyz, front.normal, front.alpha
+        albedo = np.repeat(front.alpha[..., None], 3, axis=2)  # of stones it is 1
+    rgb = xyz_to_linear_srgb(adapt(xyz, white_xyz(setup.white)))
     channels: dict[str, Any] = {name: rgb[..., k] for k, name in enumerate("RGB")}
-    channels |= {name: picture.xyz[..., k] for k, name in enumerate("XYZ")}
-    channels |= {f"albedo.{name}": picture.albedo[..., k] for k, name in enumerate("RGB")}
-    channels |= {f"normal.{name}": picture.normal[..., k] for k, name in enumerate("XYZ")}
-    channels["coverage"] = picture.coverage
-    attributes: dict[str, Any] = dict(about or {})
+    if front is not None:
+        channels["A"] = front.alpha
+    channels |= {name: xyz[..., k] for k, name in enumerate("XYZ")}
+    channels |= {f"albedo.{name}": albedo[..., k] for k, name in enumerate("RGB")}
+    channels |= {f"normal.{name}": normal[..., k] for k, name in enumerate("XYZ")}
+    channels["coverage"] = coverage
     if picture.bins_nm is not None:
         middles = 0.5 * (picture.bins_nm[1:] + picture.bins_nm[:-1])
         channels |= {spectral_channel(nm): picture.spectrum[..., k] for k, nm in enumerate(middles)}

@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 
 import gemrender
-from gemrender.errors import BackendError, InputError
+from gemrender.errors import InputError
 from gemrender.journal import Journal, OtherWorkError
 from gemrender.reading import open_file, reason
+from gemrender.render.film_files import check_film, encode_film
 from gemrender.render.finish import denoised, developed, exposure_of
 from gemrender.render.photoreal import render
 from gemrender.render.picture_files import write_png
@@ -26,29 +27,6 @@ from gemrender.writing import TEMPORARY_PREFIX, write_whole
 __all__ = ["check_film", "render_film"]
 
 _JOURNAL = "journal.jsonl"
-
-
-def check_film(path: Path, width: int, height: int, frames: int, fps: float) -> Any:
-    """Check what a film is asked to be; return the library that writes it.
-
-    Raises
-    ------
-    InputError
-        A size, a number of frames or a rate that no film has.
-    BackendError
-        The library is not installed.
-    """
-    if not 2 <= frames <= 100_000:
-        raise InputError("must be from 2 to 100000", key="frames", value=frames)
-    if not 1 <= fps <= 240:
-        raise InputError("must be from 1 to 240 [frames a second]", key="fps", value=fps)
-    if width % 2 or height % 2:
-        raise InputError("must be even for a film", key="size", value=f"{width}x{height}")
-    try:
-        import av
-    except ImportError as error:
-        raise BackendError(f"films cannot be written ({error}); to cure it: pip install av") from error
-    return av
 
 
 def render_film(
@@ -73,7 +51,7 @@ def render_film(
     Parameters
     ----------
     path : Path
-        The film, ending in .mp4.
+        The film, ending as in `FILM_SUFFIXES`.
     gems, setup : sequence of Gem, Setup
         What it shows.
     frames, fps : int, float
@@ -92,10 +70,12 @@ def render_film(
     KeyboardInterrupt
         Interrupted; the frames that are done are kept.
     """
-    av = check_film(path, options["width"], options["height"], frames, fps)
+    check_film(path, options["width"], options["height"], frames, fps)
     folder = path.with_name(f"{path.name}.frames")
     head = {"film": _fingerprint(gems, setup, frames, ev, curve, denoise, options)}
     files = [folder / f"{k:05d}.png" for k in range(frames)]
+    about = {"title": ", ".join(f"{gem.stone.name} ({gem.material.name})" for gem in gems)}
+    about["description"] = f"set-up {setup.name}, one turn in {frames} frames"
     with _journal(folder, head, frames) as journal:
         exposure = _exposure(journal)
         for k, file in enumerate(files):
@@ -113,7 +93,7 @@ def render_film(
             write_png(file, developed(picture, setup, exposure=exposure, curve=curve))
             journal.add(k, exposure, _digest(file))
         # Encoded in there first, where what a killed process leaves is found and removed.
-        (film,) = write_whole(folder, {path.name: lambda made: _encode(av, made, files, fps)})
+        (film,) = write_whole(folder, {path.name: lambda made: encode_film(made, files, fps, **about)})
         write_whole(path.parent, {path.name: lambda made: shutil.move(film, made)})
         for file in files:
             file.unlink()
@@ -180,23 +160,3 @@ def _digest(file: Path) -> str | None:
             return hashlib.file_digest(opened, "sha256").hexdigest()
     except (OSError, InputError):
         return None
-
-
-def _encode(av: Any, path: Path, files: Sequence[Path], fps: float) -> None:
-    """Write frames as H.264 in MP4."""
-    from fractions import Fraction
-
-    from PIL import Image
-
-    with av.open(str(path), "w", format="mp4") as container:
-        stream = container.add_stream(
-            "libx264", rate=Fraction(fps).limit_denominator(1001), options={"crf": "16"}
-        )
-        stream.pix_fmt = "yuv420p"
-        for file in files:
-            with Image.open(file) as image:
-                frame = av.VideoFrame.from_image(image.convert("RGB"))
-            if not stream.codec_context.is_open:  # from then on PyAV refuses even the same size
-                stream.width, stream.height = frame.width, frame.height
-            container.mux(stream.encode(frame))
-        container.mux(stream.encode())

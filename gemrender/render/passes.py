@@ -40,6 +40,8 @@ class Passes:
         spread as the tent is, and belong to one pixel: no two pixels share noise.
     bins_nm : sequence of float, optional
         Edges of spectral bins, increasing [nm]; None for no spectrum.
+    foreground : bool
+        Whether what is seen on stones is also summed up by itself; spectral bins are of it alone, then.
 
     Attributes
     ----------
@@ -52,7 +54,15 @@ class Passes:
         The camera is inside a stone, or a stone in a stone.
     """
 
-    def __init__(self, scene: Any, *, seed: int = 0, filter_radius: float = 0.5, bins_nm: Any = None) -> None:
+    def __init__(
+        self,
+        scene: Any,
+        *,
+        seed: int = 0,
+        filter_radius: float = 0.5,
+        bins_nm: Any = None,
+        foreground: bool = False,
+    ) -> None:
         import mitsuba as mi
 
         self.scene, self.seed, self.filter_radius = scene, seed, filter_radius
@@ -61,8 +71,10 @@ class Passes:
         self.width, self.height = (int(n) for n in self.sensor.film().size())
         self.bins_nm = None if bins_nm is None else np.asarray(bins_nm, dtype=np.float64)
         n_bins = 0 if self.bins_nm is None else len(self.bins_nm) - 1
-        #: X, Y, Z, albedo (3), normal (3), coverage, spectral bins.
-        self._n_channels = 10 + n_bins
+        #: X, Y, Z, albedo, normal (3 each), coverage; of stones alone X, Y, Z, normal, coverage; bins.
+        self._of_bins = slice(17 if foreground else 10, None)
+        self._n_channels = self._of_bins.start + n_bins
+        self._is_stone = _stone_table(scene) if foreground else None
         self._halves = np.zeros((2, self.height * self.width, self._n_channels), dtype=np.float32)
         self._counts = [0, 0]
         self._generator = mi.load_dict({"type": "multijitter"})
@@ -146,7 +158,18 @@ class Passes:
     @property
     def spectrum(self) -> np.ndarray:
         """Mean radiance in each bin, (h, w, bins) float32."""
-        return self._mean(slice(10, None))
+        return self._mean(self._of_bins)
+
+    @property
+    def foreground(self) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+        """What is seen on stones: XYZ (h, w, 3), normal (h, w, 3), share of the pixel (h, w); float32.
+
+        The values are means over all samples of a pixel, those beside the stones counting as 0. None if it
+        was not asked for.
+        """
+        if self._is_stone is None:
+            return None
+        return self._mean(slice(10, 13)), self._mean(slice(13, 16)), self._mean(slice(16, 17))[..., 0]
 
     def noise(self) -> float:
         """Return the root mean square error of luminance by its mean; infinite before two passes."""
@@ -210,17 +233,31 @@ class Passes:
         pixel, u = self._samples(first, n, spp, self._counts[half], 2 * self.seed + half)
         nm, weight, response = self._draw(u[2])
         seed = int(np.random.SeedSequence([self.seed, self._turns, first]).generate_state(1)[0])
-        radiance, valid, aovs = self._trace(self._rays(pixel, u, nm), n * spp, spp, seed)
+        ray = self._rays(pixel, u, nm)
+        radiance, valid, aovs = self._trace(ray, n * spp, spp, seed)
         xyz = [
             sum(L * w * r[k] for L, w, r in zip(radiance, weight, response, strict=True)) for k in range(3)
         ]
         channels = [*xyz, *aovs, dr.select(valid, mi.Float(1), 0)]
+        if self._is_stone is not None:
+            on_stone = self._on_stone(ray)
+            channels += [dr.select(on_stone, value, 0) for value in (*xyz, *aovs[3:], mi.Float(1))]
+            radiance = dr.select(on_stone, radiance, 0)
         if self.bins_nm is not None:
             channels += self._binned(radiance, weight, nm)
         dr.eval(channels)  # once for all: each sum would trace again
         sums = [dr.block_sum(channel, spp) for channel in channels]
         dr.eval(sums)
         return np.stack([np.asarray(s) for s in sums], axis=1)
+
+    def _on_stone(self, ray: Any) -> Any:
+        """Return which camera rays meet a stone before anything else."""
+        import drjit as dr
+        import mitsuba as mi
+
+        found = self.scene.ray_intersect_preliminary(ray)
+        number = dr.reinterpret_array(mi.UInt32, found.shape)
+        return found.is_valid() & dr.gather(mi.Bool, self._is_stone, number, found.is_valid())
 
     def _binned(self, radiance: Any, weight: Any, nm: Any) -> list[Any]:
         import drjit as dr
@@ -248,6 +285,18 @@ class Passes:
         mean = dr.block_sum(value, spp) / spp
         spread = dr.block_sum(dr.square(value - dr.repeat(mean, spp)), spp) / (spp * max(spp - 1, 1))
         return np.stack([np.asarray(mean), np.sqrt(np.asarray(spread))])
+
+
+def _stone_table(scene: Any) -> Any:
+    """Return whether a shape is a stone, by the number that Dr.Jit knows it by."""
+    import drjit as dr
+    import mitsuba as mi
+
+    numbers = [int(dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape))[0]) for shape in scene.shapes()]
+    table = np.zeros(max(numbers, default=0) + 1, dtype=bool)
+    for number, shape in zip(numbers, scene.shapes(), strict=True):
+        table[number] = type(shape.bsdf()).__name__ == "GemDielectric"
+    return mi.Bool(table)
 
 
 def _stratified(spp: int) -> int:

@@ -17,13 +17,35 @@ from gemrender.scene.photoreal import Gem, photoreal_scene
 from gemrender.scene.setup import Setup
 from gemrender.stone import Stone, tessellate
 
-__all__ = ["DEFAULT_VARIANT", "Picture", "make_gems", "render", "require_denoiser"]
+__all__ = ["DEFAULT_VARIANT", "Foreground", "Picture", "make_gems", "render", "require_denoiser"]
 
 DEFAULT_VARIANT = "llvm_ad_spectral"
 #: Girdle diameter where neither carat nor millimetres are given [mm]: about 1 carat of diamond.
 DEFAULT_DIAMETER_MM = 6.5
 #: Radius of the tent that pixels are filtered by [pixel].
 FILTER_RADIUS = 1.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Foreground:
+    """What a picture shows of stones alone, for a transparent background.
+
+    Values are premultiplied: a pixel half of which shows a stone has half the stone's light. What is seen
+    in and through the stones belongs to them; ground, lights and sky beside them do not.
+
+    Attributes
+    ----------
+    xyz : (h, w, 3) float32
+        As of the picture.
+    normal : (h, w, 3) float32
+        Of the stones' first surface.
+    alpha : (h, w) float32
+        Share of the pixel's samples that meet a stone before anything else.
+    """
+
+    xyz: np.ndarray
+    normal: np.ndarray
+    alpha: np.ndarray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -39,7 +61,7 @@ class Picture:
     coverage : (h, w) float32
         Share of the pixel that shows a surface.
     spectrum : (h, w, bins) float32
-        Mean radiance in each bin.
+        Mean radiance in each bin; where there is a foreground, its.
     bins_nm : (bins + 1,) float64 or None
         Edges of the bins [nm].
     samples : int
@@ -50,6 +72,8 @@ class Picture:
         Time it took [s].
     stopped : {"samples", "noise", "time", "interrupted"}
         Why it ended.
+    foreground : Foreground or None
+        The stones alone, where the background is transparent.
     """
 
     xyz: np.ndarray
@@ -62,6 +86,7 @@ class Picture:
     noise: float
     seconds: float
     stopped: str
+    foreground: Foreground | None = None
 
 
 def make_gems(
@@ -145,6 +170,7 @@ def render(
     bins_nm: Sequence[float] | None = None,
     turn_deg: float = 0.0,
     turntable: bool = False,
+    transparent: bool = False,
     variant: str = DEFAULT_VARIANT,
     progress: Callable[[float], None] | None = None,
 ) -> Picture:
@@ -175,6 +201,9 @@ def render(
         Edges of spectral bins [nm].
     turn_deg, turntable : float, bool
         As for `photoreal_scene`.
+    transparent : bool
+        Whether the stones are also kept by themselves, for a transparent background. Nothing else changes:
+        what stands around them lights them, and the picture's exposure and noise are those with it.
     variant : str
         Spectral Mitsuba variant; set, and left set.
     progress : callable, optional
@@ -205,7 +234,13 @@ def render(
         turn_deg=turn_deg,
         turntable=turntable,
     )
-    passes = Passes(mi.load_dict(scene.to_dict()), seed=seed, filter_radius=FILTER_RADIUS, bins_nm=bins_nm)
+    passes = Passes(
+        mi.load_dict(scene.to_dict()),
+        seed=seed,
+        filter_radius=FILTER_RADIUS,
+        bins_nm=bins_nm,
+        foreground=transparent,
+    )
     stopped = _run(passes, spp, noise, time_limit, started, progress)
     return Picture(
         xyz=passes.xyz,
@@ -218,6 +253,7 @@ def render(
         noise=passes.noise(),
         seconds=time.perf_counter() - started,
         stopped=stopped,
+        foreground=_foreground(passes),
     )
 
 
@@ -253,6 +289,13 @@ def _run(
         if passes.samples == 0:
             raise
         return "interrupted"
+
+
+def _foreground(passes: Passes) -> Foreground | None:
+    if passes.foreground is None:
+        return None
+    xyz, normal, alpha = passes.foreground
+    return Foreground(xyz=xyz, normal=normal, alpha=alpha)
 
 
 def _share(

@@ -14,7 +14,15 @@ import gemrender
 from gemrender.errors import InputError
 from gemrender.writing import write_whole
 
-__all__ = ["SPECTRAL_ATTRIBUTES", "spectral_channel", "write_exr", "write_png"]
+__all__ = [
+    "SPECTRAL_ATTRIBUTES",
+    "check_picture",
+    "file_of",
+    "software",
+    "spectral_channel",
+    "write_exr",
+    "write_png",
+]
 
 #: Attributes of an EXR with spectral channels (Fichet, Pacanowski & Wilkie, "An OpenEXR Layout for
 #: Spectral Images", JCGT 10(3), 2021). The unit is the layout's for radiance; ours is relative to the light.
@@ -60,8 +68,8 @@ def write_exr(
     path : path
         The file, in a folder that is there.
     channels : mapping of str to array_like (h, w)
-        By name: `R`, `G`, `B` (linear sRGB, unclipped), `X`, `Y`, `Z`, `albedo.R`, `normal.X`, and
-        spectral bins by `spectral_channel`, which want `SPECTRAL_ATTRIBUTES`.
+        By name: `R`, `G`, `B` (linear sRGB, unclipped), `A` (which they are multiplied by), `X`, `Y`, `Z`,
+        `albedo.R`, `normal.X`, and spectral bins by `spectral_channel`, which want `SPECTRAL_ATTRIBUTES`.
     attributes : mapping of str to str, int or float, optional
         What the picture is; gemrender's version comes by itself.
 
@@ -73,7 +81,7 @@ def write_exr(
     """
     import OpenEXR
 
-    path = _file(path)
+    path = file_of(path)
     header: dict[str, Any] = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     header["gemrender.version"] = gemrender.__version__
     for name, value in (attributes or {}).items():
@@ -95,8 +103,8 @@ def write_png(path: str | os.PathLike[str], rgb8: Any, text: Mapping[str, str] |
     ----------
     path : path
         The file, in a folder that is there.
-    rgb8 : array_like (h, w, 3) of uint8
-        The picture, as of `develop`.
+    rgb8 : array_like (h, w, 3) or (h, w, 4) of uint8
+        The picture, as of `develop`; the fourth channel is alpha, which the others are not multiplied by.
     text : mapping of str to str, optional
         What the picture is, by keyword; `Software` comes by itself.
 
@@ -106,12 +114,9 @@ def write_png(path: str | os.PathLike[str], rgb8: Any, text: Mapping[str, str] |
         Another shape or type, a keyword or a text that PNG has no place for, or a file that cannot be
         written.
     """
-    path = _file(path)
-    pixels = np.asarray(rgb8)
-    if pixels.dtype != np.uint8 or pixels.ndim != 3 or pixels.shape[2] != 3 or not pixels.size:
-        shown = f"{pixels.dtype} {pixels.shape}"
-        raise InputError("must be an array (h, w, 3) of uint8", source=str(path), key="rgb8", value=shown)
-    texts = {"Software": f"gemrender {gemrender.__version__}", **(text or {})}
+    path = file_of(path)
+    pixels = check_picture(rgb8, str(path))
+    texts = {"Software": software(), **(text or {})}
     for keyword, value in texts.items():
         if not re.fullmatch(r"(?! )[ -~¡-ÿ]{1,79}(?<! )", keyword) or "  " in keyword:
             allowed = "must be a keyword of 1 to 79 Latin-1 characters, without spare spaces"
@@ -122,7 +127,36 @@ def write_png(path: str | os.PathLike[str], rgb8: Any, text: Mapping[str, str] |
     return write_whole(path.parent, {path.name: lambda made: _write_png(made, pixels, texts)})[0]
 
 
-def _file(path: str | os.PathLike[str]) -> Path:
+def software() -> str:
+    """Return what pictures say they are made by."""
+    return f"gemrender {gemrender.__version__}"
+
+
+def check_picture(rgb8: Any, source: str, *, alpha: bool = True) -> np.ndarray:
+    """Return a picture for the screen as an array.
+
+    Raises
+    ------
+    InputError
+        Another shape or type than (h, w, 3) of uint8, or (h, w, 4) where `alpha` is allowed.
+    """
+    pixels = np.asarray(rgb8)
+    channels = (3, 4) if alpha else (3,)
+    if pixels.dtype != np.uint8 or pixels.ndim != 3 or pixels.shape[2] not in channels or not pixels.size:
+        shown = f"{pixels.dtype} {pixels.shape}"
+        allowed = f"must be an array (h, w, 3) of uint8{', or (h, w, 4)' if alpha else ''}"
+        raise InputError(allowed, source=source, key="rgb8", value=shown)
+    return pixels
+
+
+def file_of(path: str | os.PathLike[str]) -> Path:
+    """Return the path of a file to be written.
+
+    Raises
+    ------
+    InputError
+        It has no name.
+    """
     file = Path(path)
     if not file.name:
         raise InputError("must be the name of a file", key="path", value=os.fspath(path))

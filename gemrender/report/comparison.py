@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
-import json
 import math
 import textwrap
 from collections.abc import Callable, Sequence
@@ -16,8 +13,9 @@ import numpy as np
 from gemrender.errors import InputError
 from gemrender.observation import Observation, RayStatus
 from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR, map_picture
+from gemrender.report.formats import format_csv, format_json, format_markdown
 from gemrender.report.lettering import name_fonts, save_png
-from gemrender.report.tables import LEAST_SHOWN, band_name, how_text, model_text
+from gemrender.report.tables import band_name, how_text, model_text, score_record, score_table
 from gemrender.score import Score, score_observation
 from gemrender.writing import write_whole
 
@@ -26,7 +24,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = [
-    "FORMATS",
     "Panel",
     "comparison_figure",
     "difference_figure",
@@ -34,9 +31,6 @@ __all__ = [
     "panel",
     "write_comparison",
 ]
-
-#: Formats of the table besides the terminal's.
-FORMATS = ("table", "csv", "json", "markdown")
 
 #: Most maps in one figure; of more stones it shows the bars only.
 MOST_MAPS = 60
@@ -69,27 +63,12 @@ def format_scores(scores: Sequence[Score], form: str) -> str:
         Another format.
     """
     if form == "json":
-        return json.dumps([s.to_dict() for s in scores], indent=2, ensure_ascii=False)
-    head = ["stone", "average", "rear", *(band_name(b) for b in scores[0].bands), "trapped"]
-    rows = [
-        [
-            s.name,
-            f"{s.average:.2f}",
-            f"{s.rear:.2f}",
-            *(f"{b.share:.2f}" for b in s.bands),
-            f"{s.trapped:.3g}" if s.trapped >= LEAST_SHOWN else "0",
-        ]
-        for s in scores
-    ]
+        return format_json([s.to_dict() for s in scores])
     if form == "csv":
-        text = io.StringIO()
-        csv.writer(text, lineterminator="\n").writerows([head, *rows])
-        return text.getvalue().rstrip("\n")
+        return format_csv([score_record(s) for s in scores])
     if form == "markdown":
-        cells = [[cell.replace("|", "\\|") for cell in row] for row in [head, *rows]]
-        rule = ["---", *["---:"] * (len(head) - 1)]
-        return "\n".join(f"| {' | '.join(row)} |" for row in [cells[0], rule, *cells[1:]])
-    raise InputError(f"must be one of {', '.join(FORMATS)}", key="format", value=form)
+        return format_markdown([score_table(scores)])
+    raise InputError("must be one of csv, json, markdown", key="format", value=form)
 
 
 def comparison_figure(panels: Sequence[Panel]) -> Figure:

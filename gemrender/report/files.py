@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import re
@@ -20,7 +21,7 @@ from gemrender.observation import MAP_CHANNELS, Observation
 from gemrender.score import score_observation
 from gemrender.writing import write_whole
 
-__all__ = ["file_stems", "prepare_folder", "write_exr", "write_observation"]
+__all__ = ["check_folder", "file_stems", "prepare_folder", "write_exr", "write_observation"]
 
 #: Longest stem of a file's name [bytes]: file systems take 255 with the ending.
 MOST_STEM_BYTES = 200
@@ -55,6 +56,28 @@ def prepare_folder(folder: str | os.PathLike[str]) -> Path:
     except (OSError, ValueError) as error:  # ValueError: a name with a null character
         raise refused(getattr(error, "strerror", None) or str(error)) from error
     return path
+
+
+def check_folder(folder: str | os.PathLike[str]) -> None:
+    """See that a folder can be made and written, and leave no trace: before long work.
+
+    Raises
+    ------
+    InputError
+        It is a file, or cannot be made or written.
+    """
+    path = Path(folder)
+    missing = []
+    with contextlib.suppress(OSError, ValueError):  # what cannot be looked at is told below
+        while not path.exists() and not path.is_symlink() and path != path.parent:
+            missing.append(path)
+            path = path.parent
+    try:
+        prepare_folder(folder)
+    finally:
+        for made in missing:
+            with contextlib.suppress(OSError, ValueError):
+                made.rmdir()
 
 
 def file_stems(names: Iterable[str]) -> list[str]:

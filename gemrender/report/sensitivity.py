@@ -3,23 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from rich.console import Console
-from rich.text import Text
 
 from gemrender.beam.sensitivity import Derivative, Sensitivity
+from gemrender.report.formats import Column, TextTable
 from gemrender.report.lettering import name_fonts, save_png
-from gemrender.report.tables import note, table
 from gemrender.writing import write_whole
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["parameter_name", "print_sensitivities", "sensitivity_figure", "write_sensitivity"]
+__all__ = [
+    "parameter_name",
+    "sensitivity_figure",
+    "sensitivity_records",
+    "sensitivity_table",
+    "write_sensitivity",
+]
 
 _COLOURS = {"average": "#1e9c89", "rear": "#3f4889"}
 _INK, _GREY = "#222222", "#666666"
@@ -44,33 +49,36 @@ def parameter_name(derivative: Derivative) -> str:
     return name
 
 
-def print_sensitivities(sensitivities: Sequence[Sensitivity], console: Console) -> None:
-    """Print the derivatives, a row each: by a per cent of a proportion, and by a degree of an angle."""
-    rows = table("by", "unit", "d Average", "±", "d Rear", "±")
-    rows.columns[1].justify = "left"
+def sensitivity_table(sensitivities: Sequence[Sensitivity]) -> TextTable:
+    """Return the derivatives, a row each: by a per cent of a proportion, and by a degree of an angle."""
+    columns = [Column("Stone", is_text=True), Column("by", is_text=True), Column("unit", is_text=True)]
+    for name, rank in (("d Average", 0), ("±", 2), ("d Rear", 0), ("±", 1)):
+        columns.append(Column(name, rank, style="" if rank else "bold"))
+    table = TextTable(columns, ruled=True)
     for s in sensitivities:
         for number, d in enumerate(s.derivatives):
-            rows.add_row(
-                Text(s.name if number == 0 else ""),
+            table.rows.append([
+                "" if number else s.name,
                 parameter_name(d),
                 "1 °" if d.unit == "deg" else "1 %",
-                Text(f"{d.average:+.3f}", style="bold"),
+                f"{d.average:+.3f}",
                 _digits(d.average_bound),
-                Text(f"{d.rear:+.3f}", style="bold"),
+                f"{d.rear:+.3f}",
                 _digits(d.rear_bound),
-                end_section=number == len(s.derivatives) - 1,
-            )
-    console.print(rows)
-    note(
-        console, "d Average, d Rear: per cent of the light or of the top view, by one unit of the parameter."
-    )
-    note(console, "±: error of the part near the girdle, a difference quotient of rays; the rest is exact.")
+            ])  # fmt: skip
+    table.note("d Average, d Rear: per cent of the light or of the top view, by one unit of the parameter.")
+    table.note("±: error of the part near the girdle, a difference quotient of rays; the rest is exact.")
     for s in sensitivities:
-        note(
-            console,
+        table.note(
             f"{s.name}: Average {s.average:.2f}, Rear {s.rear:.2f}; "
-            f"{s.girdle:.2g} % of the view lies near the girdle.",
+            f"{s.girdle:.2g} % of the view lies near the girdle."
         )
+    return table
+
+
+def sensitivity_records(sensitivity: Sensitivity) -> list[dict[str, Any]]:
+    """Return the derivatives as flat records, one each."""
+    return [{"name": sensitivity.name, **asdict(d)} for d in sensitivity.derivatives]
 
 
 def _digits(bound: float) -> str:

@@ -4,44 +4,56 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from rich.console import Console
-from rich.text import Text
 
+from gemrender.report.formats import Column, TextTable
 from gemrender.report.lettering import name_fonts, save_png
-from gemrender.report.tables import note, table
 from gemrender.sweep import SymmetryStudy
 from gemrender.writing import write_whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["print_studies", "symmetry_figure", "write_symmetry_figure"]
+__all__ = ["study_records", "study_table", "symmetry_figure", "write_symmetry_figure"]
 
 _COLOURS = {"average": "#1e9c89", "rear": "#3f4889"}
 _INK, _GREY = "#222222", "#666666"
 
 
-def print_studies(studies: Sequence[SymmetryStudy], console: Console) -> None:
-    """Print two rows a stone: Average and Rear of the perfect stone, and of its draws [%]."""
-    rows = table("", "Perfect", "Mean", "Deviation", "Median", "2.5 %", "97.5 %")
+def study_table(studies: Sequence[SymmetryStudy]) -> TextTable:
+    """Return two rows a stone: Average and Rear of the perfect stone, and of its draws [%]."""
+    numbers = ["Perfect", "Mean", "Deviation", "Median", "2.5 %", "97.5 %"]
+    ranks = [0, 0, 0, 3, 2, 1]
+    table = TextTable([Column("Stone", is_text=True), Column("", is_text=True), *map(Column, numbers, ranks)])
     for study in studies:
         summary = study.summary()
-        for label, key, perfect in (
-            ("Average", "average", study.perfect[0]),
-            ("Rear", "rear", study.perfect[1]),
-        ):
-            s = summary[key]
-            rows.add_row(
-                Text(study.name if key == "average" else ""),
-                label,
-                f"{perfect:.2f}",
-                *(f"{s[name]:.2f}" for name in ("mean", "deviation", "median", "low", "high")),
-            )
-    console.print(rows)
-    note(console, f"{rule_text(studies[0])}. All in per cent; central 95 % of draws.")
+        for number, key in enumerate(("average", "rear")):
+            values = (summary[key][name] for name in ("mean", "deviation", "median", "low", "high"))
+            table.rows.append([
+                "" if number else study.name,
+                key.capitalize(),
+                f"{study.perfect[number]:.2f}",
+                *(f"{value:.2f}" for value in values),
+            ])  # fmt: skip
+    table.note(f"{rule_text(studies[0])}. All in per cent; central 95 % of draws.")
+    return table
+
+
+def study_records(study: SymmetryStudy) -> list[dict[str, Any]]:
+    """Return a study as two flat records: of Average, and of Rear [%]."""
+    how = {
+        "deviation_deg": study.tilt_deg,
+        "jitter": study.jitter,
+        "draws": len(study.average),
+        "seed": study.seed,
+        "resolution": study.resolution,
+    }
+    return [
+        {"name": study.name, "score": key, "perfect": perfect, **study.summary()[key], **how}
+        for key, perfect in zip(("average", "rear"), study.perfect, strict=True)
+    ]
 
 
 def rule_text(study: SymmetryStudy) -> str:

@@ -1,16 +1,14 @@
-"""Scores and cross-checks as tables for a terminal."""
+"""Scores and cross-checks as tables for people, and as records for machines."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
-
-from rich.box import SIMPLE_HEAD
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
+from typing import Any
 
 from gemrender.crosscheck import CrossCheck
+from gemrender.report.formats import Cell, Column, TextTable
 from gemrender.score import Band, Score
 
 #: Smallest share that is told of what should be nothing at all [%].
@@ -18,13 +16,14 @@ LEAST_SHOWN = 1e-6
 
 __all__ = [
     "LEAST_SHOWN",
+    "band_key",
     "band_name",
+    "crosscheck_record",
+    "crosscheck_tables",
     "how_text",
     "model_text",
-    "note",
-    "print_crosschecks",
-    "print_scores",
-    "table",
+    "score_record",
+    "score_table",
 ]
 
 
@@ -32,6 +31,11 @@ def band_name(band: Band, *, typeset: bool = False) -> str:
     """Return a band's name [%], such as ">= 75" or "60-75"; typeset with the signs that print has for it."""
     name = f">= {band.low:g}" if band.high is None else f"{band.low:g}-{band.high:g}"
     return name.replace(">=", "≥").replace("-", "–") if typeset else name
+
+
+def band_key(band: Band) -> str:
+    """Return the name of a band's column for machines, such as "band_75": by its lower edge [%]."""
+    return f"band_{band.low:g}"
 
 
 def model_text(score: Score) -> str:
@@ -49,49 +53,126 @@ def how_text(score: Score) -> str:
     return f"{score.resolution} × {score.resolution} rays, {engine}"
 
 
-def print_scores(scores: Sequence[Score], console: Console) -> None:
-    """Print a row a stone: Average, Rear and the bands [%]."""
+# ---- Scores --------------------------------------------------------------------------------------------
+
+
+def score_table(
+    scores: Sequence[Score], settings: Sequence[dict[str, Any]] = (), notes: Sequence[str] = ()
+) -> TextTable:
+    """Return a row a stone: Average, Rear and the bands [%].
+
+    Parameters
+    ----------
+    scores : sequence of Score
+        At least one.
+    settings : sequence of dict, optional
+        Of each stone what was set for it, by name: columns before the scores.
+    notes : sequence of str, optional
+        What is to be said of the stones, such as what was assumed of them.
+    """
     exact = any(s.facets is not None for s in scores)
-    columns = ["Trapped", "Facets"] if exact else ["Trapped"]
-    rows = table("Average", "Rear", *(band_name(b) for b in scores[0].bands), *columns)
-    for s in scores:
-        rows.add_row(
-            Text(s.name),
-            Text(f"{s.average:.2f}", style="bold"),
-            Text(f"{s.rear:.2f}", style="bold"),
+    varied = list(settings[0]) if settings else []
+    bands = scores[0].bands
+    # Dark bands are the first to go: what is left of 100 tells their sum.
+    table = TextTable([
+        Column("Stone", is_text=True),
+        *(Column(name.replace("_", " ")) for name in varied),
+        Column("Average", style="bold"),
+        Column("Rear", style="bold"),
+        *(Column(band_name(b), rank=1 + k) for k, b in enumerate(bands)),
+        Column("Trapped", rank=len(bands) + 1),
+        *([Column("Facets", rank=len(bands) + 2)] if exact else []),
+    ])  # fmt: skip
+    for number, s in enumerate(scores):
+        table.rows.append([
+            _without(s.name, varied),
+            *(_shown(settings[number][name]) for name in varied),
+            f"{s.average:.2f}",
+            f"{s.rear:.2f}",
             *(f"{b.share:.1f}" for b in s.bands),
-            f"{s.trapped:.3g}" if s.trapped >= LEAST_SHOWN else "0",
+            _small(s.trapped),
             *([str(s.facets.number) if s.facets else "–"] if exact else []),
-        )
-    console.print(rows)
+        ])  # fmt: skip
+    _explain(table, scores, exact)
+    for words in notes:
+        table.note(f"{words}.", "yellow")
+    return table
+
+
+def _explain(table: TextTable, scores: Sequence[Score], exact: bool) -> None:
     first = scores[0]
-    note(console, "Average: mean intensity; the rest: shares of the top view; all in per cent.")
+    table.note("Average: mean intensity; the rest: shares of the top view; all in per cent.")
     if exact:
-        note(console, "Facets: number of virtual facets, those near the girdle left out.")
+        table.note("Facets: number of virtual facets, those near the girdle left out.", of="Facets")
     if first.tilt_deg:
-        note(
-            console,
-            f"The eye is tilted by {first.tilt_deg:g} deg towards azimuth {first.tilt_azimuth_deg:g} deg.",
-        )
+        eye = f"{first.tilt_deg:g} deg towards azimuth {first.tilt_azimuth_deg:g} deg"
+        table.note(f"The eye is tilted by {eye}.")
     bound = max((s.bound for s in scores if s.bound is not None), default=None)
     for say in (lambda s: how_text(s if s.bound is None else replace(s, bound=bound)), model_text):
         names: dict[str, list[str]] = {}
         for s in scores:
             names.setdefault(say(s), []).append(s.name)
         for words, of in names.items():
-            note(console, f"{words}{'' if len(names) == 1 else ': ' + ', '.join(of)}.")
+            table.note(f"{words}{'' if len(names) == 1 else ': ' + _names(of)}.")
     for s in scores:
         if s.lost:
-            note(console, f"{s.name}: {s.lost:.2g} % of the rays were lost to rounding.", style="yellow")
+            table.note(f"{s.name}: {s.lost:.2g} % of the rays were lost to rounding.", "yellow")
 
 
-def print_crosschecks(checks: Sequence[CrossCheck], console: Console) -> None:
-    """Print two tables, a row a stone: how rays agree and how scores agree; then what disagrees."""
-    rays = table("Engine", "Rays", "Same exit", "Same path", "ΔI mean", "ΔI max", "Lost", "")
-    scores = table("Engine", "ΔAverage", "ΔRear", *(f"Δ {band_name(b)}" for b in checks[0].bands))
+def _without(name: str, keys: Sequence[str]) -> str:
+    """Return a stone's name without the settings at its end, which have columns of their own."""
+    for key in reversed(keys):
+        name = re.sub(rf" {re.escape(key)}=\S+$", "", name)
+    return name
+
+
+def _names(names: Sequence[str], most: int = 6) -> str:
+    more = len(names) - most
+    return ", ".join(names[:most]) + (f" and {more} more" if more > 0 else "")
+
+
+def _small(share: float) -> str:
+    return f"{share:.3g}" if share >= LEAST_SHOWN else "0"
+
+
+def _shown(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def score_record(score: Score, settings: dict[str, Any] | None = None) -> dict[str, Any]:
+    """Return a score as one flat record, shares and scores in per cent.
+
+    Parameters
+    ----------
+    score : Score
+        The score.
+    settings : dict, optional
+        What was set for its stone, by name: columns after the stone's name.
+    """
+    values = score.to_dict()
+    facets = values.pop("facets")
+    values.pop("bands")
+    first = {"name": values.pop("name"), **(settings or {})}
+    main = {key: values.pop(key) for key in ("average", "rear")}
+    bands = {band_key(b): b.share for b in score.bands}
+    how = {key: values.pop(key) for key in ("trapped", "lost", "bound", "engine", "index", "rear_rule")}
+    return {**first, **main, **bands, **how, **values, "facets": None if facets is None else facets["number"]}
+
+
+# ---- Cross-checks --------------------------------------------------------------------------------------
+
+
+def crosscheck_tables(checks: Sequence[CrossCheck]) -> list[TextTable]:
+    """Return two tables, a row a stone: how rays agree and how scores agree; then what disagrees."""
+    name, engine = Column("Stone", is_text=True), Column("Engine")
+    numbers = ["Rays", "Same exit", "Same path", "ΔI mean", "ΔI max", "Lost", ""]
+    ranks = [4, 0, 5, 3, 2, 1, 0]
+    rays = TextTable([name, engine, *map(Column, numbers, ranks)])
+    bands = [Column(f"Δ {band_name(b)}", rank=1 + k) for k, b in enumerate(checks[0].bands)]
+    scores = TextTable([name, engine, Column("ΔAverage"), Column("ΔRear"), *bands])
     for c in checks:
-        rays.add_row(
-            Text(c.name),
+        rays.rows.append([
+            c.name,
             c.engines[0],
             f"{c.rays}",
             f"{c.same_exit:.4f}",
@@ -99,30 +180,26 @@ def print_crosschecks(checks: Sequence[CrossCheck], console: Console) -> None:
             f"{c.mean_intensity:.1e}",
             f"{c.largest_intensity:.1e}",
             f"{c.lost:.4f}",
-            Text("differs", style="red") if c.failures else Text("agrees", style="green"),
-        )
+            Cell("differs", "red") if c.failures else Cell("agrees", "green"),
+        ])  # fmt: skip
         differences = (c.average, c.rear, *(b.share for b in c.bands))
-        scores.add_row(Text(c.name), c.engines[0], *(f"{x:+.4f}" for x in differences))
-    console.print(rays)
-    console.print(scores)
-    note(console, "Differences are the engine minus the reference; all but Rays in per cent.")
-    note(console, "Same exit: rays with the same status and exit facet; same path: and facet sequence.")
-    note(console, "ΔI: difference in intensity among rays with the same path.")
+        scores.rows.append([c.name, c.engines[0], *(f"{x:+.4f}" for x in differences)])
+    scores.note("Differences are the engine minus the reference; all but Rays in per cent.")
+    scores.note("Same exit: rays with the same status and exit facet; same path: and facet sequence.")
+    scores.note("ΔI: difference in intensity among rays with the same path.")
     for c in checks:
         for failure in c.failures:
-            note(console, f"{c.name}, {c.engines[0]}: {failure}", style="red")
+            scores.note(f"{c.name}, {c.engines[0]}: {failure}", "red")
+    return [rays, scores]
 
 
-def table(*columns: str) -> Table:
-    """Return a table with a column for the stone, which gives way where it is narrow, and for numbers."""
-    made = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
-    made.add_column("Stone", overflow="fold")
-    for name in columns:
-        made.add_column(Text(name), justify="right", no_wrap=True)
-    return made
-
-
-def note(console: Console, words: str, style: str = "dim") -> None:
-    """Print a line beneath a table."""
-    # As Text: a stone's name may hold what would be markup.
-    console.print(Text(words, style=style), soft_wrap=True)
+def crosscheck_record(check: CrossCheck) -> dict[str, Any]:
+    """Return a cross-check as one flat record."""
+    values = check.to_dict()
+    bands = values.pop("bands")
+    engine, reference = values.pop("engines")
+    failures = values.pop("failures")
+    values["seconds"], values["reference_seconds"] = values["seconds"]
+    shares = {f"band_{band['from']:g}": band["difference"] for band in bands}
+    first = {"name": values.pop("name"), "engine": engine, "reference": reference}
+    return {**first, **values, **shares, "failures": list(failures)}

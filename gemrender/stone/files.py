@@ -1,4 +1,4 @@
-"""Stone files: TOML with proportions, a laboratory's angles or measured vertices; and plain CSV of vertices.
+"""Stone files: TOML with proportions, angles, a report or measured vertices; CSV of vertices or of stones.
 
 Whatever is wrong with a file is told in one line: the file, the key, the value, and what is allowed.
 """
@@ -29,15 +29,15 @@ from gemrender.reading import (
     text_line,
     told_at,
 )
+from gemrender.stone.laboratory import REPORT_KEYS, missing_parts, read_report
 from gemrender.stone.proportions import RoundBrilliant, checked_values
 from gemrender.stone.solid import Stone
+from gemrender.stone.stones import LONGEST_NAME, OneStone, Stones
+from gemrender.stone.table import is_table, open_table
 from gemrender.stone.topology import N_VERTICES, VERTEX_LABELS
 from gemrender.writing import write_whole
 
-__all__ = ["bundled_stones", "load_stone", "save_vertices"]
-
-#: Longest name of a stone [characters]: it has to fit into tables and file names.
-LONGEST_NAME = 100
+__all__ = ["bundled_stones", "load_stone", "load_stones", "save_vertices"]
 
 #: Keys of each section. Of the first three keys of a file (vertices is no section) there is exactly one.
 _SECTIONS: dict[str, tuple[str, ...]] = {
@@ -45,9 +45,10 @@ _SECTIONS: dict[str, tuple[str, ...]] = {
         "table", "star", "lower_girdle_contact", "crown_height", "pavilion_depth", "girdle_thickness",
     ),
     "angles": ("table", "crown_angle", "pavilion_angle", "star", "lower_half", "girdle_thickness"),
+    "report": REPORT_KEYS,
     "material": ("name", "index"),
 }  # fmt: skip
-_SHAPES = ("proportions", "angles", "vertices")
+_SHAPES = ("proportions", "angles", "report", "vertices")
 _TOP = ("name", *_SHAPES, "material")
 
 _COLUMNS = ("label", "x", "y", "z")
@@ -60,8 +61,8 @@ def load_stone(stone: str | os.PathLike[str]) -> Stone:
     Parameters
     ----------
     stone : str or path-like
-        A TOML stone file, a CSV file of 57 vertices (label, x, y, z, in any unit of length), or a name of
-        `bundled_stones`. A file of that name wins over the bundled stone.
+        A TOML stone file, a CSV file of 57 vertices (label, x, y, z, in any unit of length), a table of one
+        stone, or a name of `bundled_stones`. A file of that name wins over the bundled stone.
 
     Returns
     -------
@@ -73,10 +74,41 @@ def load_stone(stone: str | os.PathLike[str]) -> Stone:
     InputError
         No such stone, a file that cannot be read, or one that makes no stone.
     """
-    path = _find(os.fspath(stone))
-    if path.suffix.lower() == ".csv":
-        return _measured(path, name=stem(path, "stone"))
-    return _from_toml(path)
+    stones = load_stones(stone)
+    if len(stones) > 1:
+        raise InputError(
+            f"is a table of {len(stones)} stones, a row a stone; one stone is needed here",
+            source=os.fspath(stone),
+        )
+    return stones[0]
+
+
+def load_stones(stones: str | os.PathLike[str]) -> Stones:
+    """Load the stone or the stones of a file, or a bundled stone by its name.
+
+    Parameters
+    ----------
+    stones : str or path-like
+        What `load_stone` takes, or a table of stones, ending in .csv or .tsv: a row a stone, columns called
+        as in stone files or as in laboratory reports (`table.open_table`).
+
+    Returns
+    -------
+    Stones
+        A sequence of `Stone`, checked whole. The stones of a table are made when they are asked for.
+
+    Raises
+    ------
+    InputError
+        As `load_stone`; of a table, the first bad row is told.
+    """
+    path = _find(os.fspath(stones))
+    suffix = path.suffix.lower()
+    if suffix == ".tsv" or (suffix == ".csv" and is_table(path)):
+        return open_table(path, missing=_no_such_file(path))
+    if suffix == ".csv":
+        return OneStone(_measured(path, name=stem(path, "stone")))
+    return OneStone(_from_toml(path))
 
 
 def bundled_stones() -> list[str]:
@@ -147,37 +179,56 @@ def _from_toml(path: Path) -> Stone:
         if not given and any(key not in _TOP for key in top):  # one of them misspelt
             mistakes.refuse()
         if len(given) != 1:
-            allowed = "needs exactly one of [proportions], [angles] and vertices"
+            allowed = "needs exactly one of [proportions], [angles], [report] and vertices"
             raise InputError(f"{allowed}; has {' and '.join(given) or 'none'}")
         shape = given[0]
         if shape == "vertices":
             vertices = _vertices_path(top["vertices"], path)
         else:
-            proportions = _proportions(top, shape, mistakes)
+            proportions, assumed = _proportions(top, shape, mistakes)
     if shape == "vertices":
         return _measured(vertices, name=str(name), material=material, toml=path)
     assert proportions is not None
     with told_at(source, shape):
-        return Stone.from_proportions(proportions, name=str(name), material=material, source=source)
+        return Stone.from_proportions(
+            proportions,
+            name=str(name),
+            material=material,
+            source=source,
+            description=shape,
+            assumed=assumed,
+        )
 
 
-def _proportions(top: dict[str, Any], shape: str, mistakes: Mistakes) -> RoundBrilliant | None:
-    """Return the proportions that a section gives; None where it has mistakes, which are kept."""
+def _proportions(
+    top: dict[str, Any], shape: str, mistakes: Mistakes
+) -> tuple[RoundBrilliant | None, tuple[str, ...]]:
+    """Return the proportions that a section gives, and what was assumed; none where it has mistakes."""
     before = len(mistakes.errors)
     values = section(top, shape, _SECTIONS[shape], _home, mistakes)
     misspelt = len(mistakes.errors) > before
 
-    def made() -> RoundBrilliant | None:
+    def made() -> tuple[RoundBrilliant | None, tuple[str, ...]]:
         with told_at(None, shape):
+            if shape == "report":
+                if missing_parts(values):
+                    return None, ()
+                report = read_report(values)
+                return report.proportions, tuple(map(str, report.assumed))
             if len(values) == len(_SECTIONS[shape]):
-                return (RoundBrilliant if shape == "proportions" else RoundBrilliant.from_angles)(**values)
+                return (RoundBrilliant if shape == "proportions" else RoundBrilliant.from_angles)(
+                    **values
+                ), ()
             checked_values(values)
-            return None
+            return None, ()
 
-    proportions = mistakes.of(made)
+    found = mistakes.of(made)
     if not misspelt:
-        refuse_missing(values, _SECTIONS[shape], shape)
-    return proportions
+        if shape != "report":
+            refuse_missing(values, _SECTIONS[shape], shape)
+        elif missing := missing_parts(values):
+            raise InputError(f"needs {missing}", key="[report]")
+    return found or (None, ())
 
 
 def _home(key: str) -> str:

@@ -21,7 +21,16 @@ from gemrender.stone.topology import (
     TABLE_CORNER,
 )
 
-__all__ = ["ANGLE_RANGES", "RANGES", "RoundBrilliant", "brilliant_vertices", "smallest_star"]
+__all__ = [
+    "ANGLE_RANGES",
+    "RANGES",
+    "RoundBrilliant",
+    "brilliant_vertices",
+    "crown_height_from_angle",
+    "number_within",
+    "pavilion_depth_from_angle",
+    "smallest_star",
+]
 
 #: Allowed range of each proportion [%]. They keep a margin to the degenerate stones (no table, no crown,
 #: no pavilion, contact on the axis or beyond the girdle), where single precision cannot tell facets apart.
@@ -126,23 +135,12 @@ class RoundBrilliant:
         given = {"table": table, "crown_angle": crown_angle, "pavilion_angle": pavilion_angle}
         given |= {"star": star, "lower_half": lower_half, "girdle_thickness": girdle_thickness}
         table, crown, pavilion, _, lower, _ = checked_values(given).values()
-        crown_height = (100.0 - table) / 2.0 * math.tan(math.radians(crown))
-        pavilion_depth = 50.0 * math.tan(math.radians(pavilion))
-        for key, height in (("crown_height", crown_height), ("pavilion_depth", pavilion_depth)):
-            low, high = RANGES[key]
-            if not low <= height <= high:
-                angle = "crown_angle" if key == "crown_height" else "pavilion_angle"
-                raise InputError(
-                    f"gives a {key.replace('_', ' ')} of {height:.3g} %; must be from {low:g} to {high:g} %",
-                    key=angle,
-                    value=crown if key == "crown_height" else pavilion,
-                )
         return cls(
             table=table,
             star=star,
             lower_girdle_contact=100.0 - lower,
-            crown_height=crown_height,
-            pavilion_depth=pavilion_depth,
+            crown_height=crown_height_from_angle(table, crown),
+            pavilion_depth=pavilion_depth_from_angle(pavilion),
             girdle_thickness=girdle_thickness,
         )
 
@@ -204,6 +202,62 @@ def brilliant_vertices(
     return out
 
 
+def crown_height_from_angle(table: float, crown_angle: float) -> float:
+    """Return the crown height [%] for a table [%] and the angle of the bezel mains to the girdle plane [deg].
+
+    (100 - table)/2 tan(crown angle): table corners and mains lie in one axial plane (GIA; `materials.md`).
+
+    Raises
+    ------
+    InputError
+        The height is outside its range; told by the angle.
+    """
+    height = (100.0 - table) / 2.0 * math.tan(math.radians(crown_angle))
+    return _height("crown_height", height, "crown_angle", crown_angle)
+
+
+def pavilion_depth_from_angle(pavilion_angle: float) -> float:
+    """Return the pavilion depth [%], 50 tan(angle), for the angle of the mains to the girdle plane [deg].
+
+    Raises
+    ------
+    InputError
+        The depth is outside its range; told by the angle.
+    """
+    depth = 50.0 * math.tan(math.radians(pavilion_angle))
+    return _height("pavilion_depth", depth, "pavilion_angle", pavilion_angle)
+
+
+def number_within(key: str, value: object, low_high: tuple[float, float] | None = None) -> float:
+    """Return a value as a float, if it is a number within its range.
+
+    Parameters
+    ----------
+    key : str
+        One of `RANGES` or `ANGLE_RANGES`; keys that end in angle are in degrees, others in per cent.
+    value : object
+        What was given.
+    low_high : pair of float, optional
+        The range of a key that those do not have.
+
+    Raises
+    ------
+    InputError
+        It is no number, or outside the range.
+    """
+    low, high = low_high or (RANGES[key] if key in RANGES else ANGLE_RANGES[key])
+    unit = "deg" if key.endswith("angle") else "%"
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+        raise InputError(f"must be a number from {low:g} to {high:g} [{unit}]", key=key, value=value)
+    try:
+        number = float(value)
+    except OverflowError:  # an integer beyond the largest float
+        number = math.inf
+    if not low <= number <= high:  # false for NaN too
+        raise InputError(f"must be from {low:g} to {high:g} [{unit}]", key=key, value=value)
+    return number
+
+
 def checked_values(values: Mapping[str, Any]) -> dict[str, float]:
     """Return proportions and angles as floats, each within its range alone.
 
@@ -220,10 +274,7 @@ def checked_values(values: Mapping[str, Any]) -> dict[str, float]:
     numbers: dict[str, Any] = {}
     with Mistakes() as mistakes:
         for key, value in values.items():
-            low, high = (RANGES | ANGLE_RANGES)[key]
-            numbers[key] = mistakes.of(
-                _number, key, value, low, high, "deg" if key.endswith("_angle") else "%"
-            )
+            numbers[key] = mistakes.of(number_within, key, value)
     return numbers
 
 
@@ -243,13 +294,12 @@ def _ring(azimuth: np.ndarray, radius: Any, z: Any) -> np.ndarray:
     return np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), np.full(azimuth.shape, z)], axis=-1)
 
 
-def _number(key: str, value: object, low: float, high: float, unit: str = "%") -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
-        raise InputError(f"must be a number from {low:g} to {high:g} [{unit}]", key=key, value=value)
-    try:
-        number = float(value)
-    except OverflowError:  # an integer beyond the largest float
-        number = math.inf
-    if not low <= number <= high:  # false for NaN too
-        raise InputError(f"must be from {low:g} to {high:g} [{unit}]", key=key, value=value)
-    return number
+def _height(key: str, height: float, angle_key: str, angle: float) -> float:
+    low, high = RANGES[key]
+    if not low <= height <= high:
+        raise InputError(
+            f"gives a {key.replace('_', ' ')} of {height:.3g} %; must be from {low:g} to {high:g} %",
+            key=angle_key,
+            value=angle,
+        )
+    return height

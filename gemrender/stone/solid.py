@@ -51,6 +51,12 @@ class Stone:
         Name of a gem material or its refractive index, as the stone file says; None is diamond.
     source : str or None
         Where the stone came from, for error messages.
+    description : str or None
+        How the proportions were given: "proportions", "angles" or "report", as the sections of stone files
+        are called; None for a measured stone, and for one made in Python.
+    assumed : tuple of str
+        What was assumed of the stone or inferred since its description left it out, such as
+        "star 50 (not in the report)".
     tilted_planes : pair of (57, 3) and (57,) float64, or None
         Outward unit normals and offsets of planes that take the place of the facets: the solid then is what
         lies inside them and the cylinder of radius 1, and `vertices` are those before the tilt. `tilted`
@@ -80,6 +86,8 @@ class Stone:
     proportions: RoundBrilliant | None = None
     material: str | float | None = None
     source: str | None = None
+    description: str | None = None
+    assumed: tuple[str, ...] = ()
     tilted_planes: tuple[np.ndarray, np.ndarray] | None = field(default=None, repr=False)
     facet_normals: np.ndarray = field(init=False, repr=False)
     facet_offsets: np.ndarray = field(init=False, repr=False)
@@ -117,6 +125,8 @@ class Stone:
         name: str = "stone",
         material: str | float | None = None,
         source: str | None = None,
+        description: str | None = None,
+        assumed: tuple[str, ...] = (),
     ) -> Stone:
         """Build the perfectly symmetric stone of these proportions."""
         return cls(
@@ -125,6 +135,8 @@ class Stone:
             proportions=proportions,
             material=material,
             source=source,
+            description=description,
+            assumed=assumed,
         )
 
     @classmethod
@@ -164,7 +176,11 @@ class Stone:
         cos, sin = np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))
         turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
         return Stone(
-            vertices=self.vertices @ turn.T, name=self.name, material=self.material, source=self.source
+            vertices=self.vertices @ turn.T,
+            name=self.name,
+            material=self.material,
+            source=self.source,
+            assumed=self.assumed,
         )
 
     def tilted(self, deviation_deg: float, rng: np.random.Generator, *, name: str | None = None) -> Stone:
@@ -199,6 +215,7 @@ class Stone:
             name=name or self.name,
             material=self.material,
             source=self.source,
+            assumed=self.assumed,
             tilted_planes=(turned, np.einsum("ij,ij->i", turned, middles)),
         )
 

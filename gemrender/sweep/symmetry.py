@@ -107,7 +107,7 @@ def draw_stone(stone: Stone, tilt_deg: float, jitter: float, seed: int, number: 
             last = error
         else:
             return drawn
-    raise InputError(f"makes no stone in {MOST_ATTEMPTS} draws: {last}", key="jitter" if jitter else "tilt",
+    raise InputError(f"makes no stone in {MOST_ATTEMPTS} draws: {last}", key="jitter" if jitter else "deviation",
                      value=jitter or tilt_deg) from last  # fmt: skip
 
 
@@ -197,7 +197,7 @@ def study_symmetry(
 def check_study(stones: Iterable[Stone], *, tilt_deg: float, jitter: float, draws: int, seed: int) -> None:
     """Refuse values out of range, and stones that facets cannot be tilted of, before any work is done."""
     for key, value, low, high in (
-        ("tilt", tilt_deg, 0.0, MOST_TILT_DEG),
+        ("deviation", tilt_deg, 0.0, MOST_TILT_DEG),
         ("jitter", jitter, 0.0, MOST_JITTER),
         ("draws", draws, 1, MOST_DRAWS),
         ("seed", seed, 0, 2**63 - 1),

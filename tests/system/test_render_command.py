@@ -444,7 +444,7 @@ if where == "frame":
 elif where == "journal":
     frames.Journal = Journal
 else:
-    frames._encode = lambda av, path, *_: half_then_killed(path)
+    frames.encode_film = half_then_killed
 load_one_after_the_other()
 cli.main(arguments)
 """
@@ -650,8 +650,8 @@ BAD_INPUT = {
     "render": "STONE: missing: stone files, or names of bundled stones",
     "render inoue-3": "--out: missing: picture or film to write: .png, .exr or .mp4",
     "render inoue-9 -o a.png": "inoue-9: no such file; the bundled stones are fish-eye, ",
-    "render inoue-3 -o a.jpg": "--out = 'a.jpg': must end in .png, .exr, .mp4",
-    "render inoue-3 -o a": "--out = 'a': must end in .png, .exr, .mp4",
+    "render inoue-3 -o a.bmp": "--out = 'a.bmp': must end in .png, .jpg, .jpeg, .webp, .exr, .mp4",
+    "render inoue-3 -o a": "--out = 'a': must end in .png, .jpg, .jpeg, .webp, .exr, .mp4",
     "render inoue-3 -o no/a.png": "--out = 'no/a.png': is in a folder that is not there",
     "render inoue-3 -o folder.png": "--out = 'folder.png': is a folder",
     "render inoue-3 -o text.txt/a.png": "--out = 'text.txt/a.png': is in a folder that is not there",

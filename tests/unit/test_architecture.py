@@ -18,7 +18,7 @@ PACKAGE = Path(gemrender.__file__).parent
 LAYERS: list[dict[str, set[str]]] = [
     {"errors": set()},
     {"mistakes": set()},
-    {"writing": set(), "reading": set(), "interruption": set()},
+    {"writing": set(), "reading": set(), "progress": set(), "interruption": set()},
     {"journal": set()},
     {"stone": {"numpy"}, "optics": {"numpy"}},
     {"colorimetry": {"numpy", "colour"}},

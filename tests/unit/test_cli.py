@@ -278,7 +278,8 @@ def test_scene_writes_both_files(folder, gemrender, variant_llvm_ad_mono):
 def test_stones_lists_the_bundled_ones(gemrender):
     status, out, _ = gemrender("stones")
     assert status == 0
-    assert [line.split()[0] for line in out.splitlines()] == bundled_stones()
+    rows = [line for line in out.splitlines() if line.startswith(" ") and not line.startswith((" ─", "  "))]
+    assert [row.split()[0] for row in rows] == ["Name", *bundled_stones()]
 
 
 @pytest.mark.parametrize("arguments", [["--help"], ["-h"], ["score", "-h"], ["crosscheck", "--help"]])
@@ -442,13 +443,18 @@ def test_a_full_disk_behind_out_is_one_line_and_leaves_nothing(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_closed_streams_are_no_error():
+@pytest.mark.parametrize("options", ["", "--json", "--format csv", "--format markdown"])
+def test_a_closed_stdout_is_one_line_and_a_failure(options):
+    done = shell(f"$GEMRENDER {options} >&-")
+    assert (done.returncode, done.stdout) == (1, "")
+    assert done.stderr == "gemrender: input or output failed: standard output is closed\n"
+
+
+def test_a_closed_stderr_is_no_error():
     done = shell("$GEMRENDER --json 2>&-")
     assert (done.returncode, len(json.loads(done.stdout))) == (0, 1)
     done = shell("$GEMRENDER inoue-9 2>&-")  # its message has nowhere to go, least of all to stdout
     assert (done.returncode, done.stdout) == (2, "")
-    done = shell("$GEMRENDER >&-")
-    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_a_terminal_without_our_letters_shows_what_it_can(tmp_path):

@@ -262,15 +262,18 @@ def test_vertices_that_cannot_be_written():
 _KEYS = "table, star, lower_girdle_contact, crown_height, pavilion_depth, girdle_thickness"
 
 REFUSED = {
-    "no shape": ('name = "x"', "needs exactly one of [proportions], [angles] and vertices; has none"),
+    "no shape": (
+        'name = "x"',
+        "needs exactly one of [proportions], [angles], [report] and vertices; has none",
+    ),
     "two shapes": (
         PROPORTIONS + ANGLES,
-        "needs exactly one of [proportions], [angles] and vertices; has proportions and angles",
+        "needs exactly one of [proportions], [angles], [report] and vertices; has proportions and angles",
     ),
     "unknown section": (
         PROPORTIONS.replace("[proportions]", "[proportion]\nx = 1"),
         "proportion = {'x': 1, 'table': 54.0, 'star': 57.0, 'lower_girdle_contact…: unknown key; "
-        "must be one of name, proportions, angles, vertices, material; did you mean proportions?",
+        "must be one of name, proportions, angles, report, vertices, material; did you mean proportions?",
     ),
     "unknown key": (
         PROPORTIONS.replace("crown_height", "crown_hight"),
@@ -278,12 +281,13 @@ REFUSED = {
     ),
     "key without its section": (
         "table = 54\n" + PROPORTIONS,
-        "table = 54: unknown key; must be one of name, proportions, angles, vertices, material; "
-        "it belongs in [proportions] or [angles]",
+        "table = 54: unknown key; must be one of name, proportions, angles, report, vertices, material; "
+        "it belongs in [proportions] or [angles] or [report]",
     ),
     "key of another section": (
         PROPORTIONS + "lower_half = 80",
-        f"proportions.lower_half = 80: unknown key; must be one of {_KEYS}; it belongs in [angles]",
+        f"proportions.lower_half = 80: unknown key; must be one of {_KEYS}; "
+        "it belongs in [angles] or [report]",
     ),
     "missing keys": (
         "[proportions]\ntable = 54\nstar = 57\ncrown_height = 15",
@@ -464,6 +468,10 @@ DAMAGED = {
     "wrong order after a comment": (
         lambda lines: ["# comment", *lines[:3], lines[4], lines[3], *lines[5:]],
         "row 3 (line 5): expected table_2, got table_3",
+    ),
+    "another column": (
+        lambda lines: ["label,x,y,z,comment", *(f"{line},a" for line in lines[1:])],
+        f"row 1 (line 1): {_COLUMNS}; has 5",
     ),
     "semicolons": (
         lambda lines: [line.replace(",", ";") for line in lines],

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gemrender.errors import InputError
-from gemrender.report.symmetry import print_studies, write_symmetry_figure
+from gemrender.report.symmetry import study_table, write_symmetry_figure
 from gemrender.stone import Stone, load_stone
 from gemrender.sweep import SymmetryStudy, study_symmetry
 from gemrender.sweep.symmetry import _entry, draw_stone
@@ -191,10 +191,12 @@ def test_poor_symmetry_explains_the_papers_rear_of_sample_2(variant_llvm_ad_mono
 def test_figure_and_table(tmp_path, capsys):
     from rich.console import Console
 
+    from gemrender.report.formats import print_tables
+
     study = study_symmetry(STONE, **SMALL)
     path = write_symmetry_figure(study, tmp_path / "study.png")
     assert path.stat().st_size > 10_000
-    print_studies([study], Console(width=120))
+    print_tables([study_table([study])], Console(width=120))
     out = capsys.readouterr().out
     assert f"{study.perfect[1]:.2f}" in out
     assert "Inoue sample 2" in out
@@ -213,8 +215,8 @@ def test_command_prints_json():
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--tilt", "x"], "--tilt = 'x': must be a finite number of degrees"),
-        (["--tilt", "9"], "--tilt = 9.0: must be from 0 to 5"),
+        (["--deviation", "x"], "--deviation = 'x': must be a finite number of degrees"),
+        (["--deviation", "9"], "--deviation = 9.0: must be from 0 to 5"),
         (["--draws", "0"], "--draws = 0: must be from 1 to 100000"),
         (["--jitter", "1"], "--jitter = 1.0: must be from 0 to 0.05"),
     ],

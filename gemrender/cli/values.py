@@ -1,0 +1,192 @@
+"""How values of options are read: typed, refused in gemrender's one form, and completed by the shell.
+
+A parser takes what stands on the command line and returns the value; `OptionError` brings its error past
+typer, which would make a message of its own of any ValueError.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import typer
+
+from gemrender.errors import InputError
+from gemrender.reading import did_you_mean
+
+__all__ = [
+    "OptionError",
+    "choice_option",
+    "complete_files",
+    "complete_words",
+    "listed",
+    "number_option",
+    "whole_option",
+]
+
+#: Completes a word: what may stand there, given what was typed of it.
+Completion = Callable[[str], Iterable[str]]
+
+
+class OptionError(Exception):
+    """A value that an option refuses; its `error` is what the user is told."""
+
+    def __init__(self, error: InputError) -> None:
+        super().__init__(str(error))
+        self.error = error
+
+
+def choice_option(
+    name: str, choices: Iterable[str], words: str, *, metavar: str, short: str | None = None, **settings: Any
+) -> Any:
+    """Return an option whose value is one of some words.
+
+    Parameters
+    ----------
+    name : str
+        The option, such as "--engine".
+    choices : iterable of str
+        What is allowed; shown in the help, and completed by the shell.
+    words, metavar : str
+        Its line in the help, without the choices, and what stands for the value there.
+    short : str, optional
+        A short form, such as "-f".
+    **settings
+        Further settings of `typer.Option`.
+    """
+    allowed = tuple(choices)
+
+    def parse(text: str) -> str:
+        if text not in allowed:
+            raise OptionError(InputError(f"must be one of {listed(text, allowed)}", key=name, value=text))
+        return text
+
+    return typer.Option(
+        name,
+        *([short] if short else []),
+        parser=parse,
+        metavar=metavar,
+        help=f"{words} One of: {', '.join(allowed)}.",
+        autocompletion=complete_words(lambda: allowed),
+        **settings,
+    )
+
+
+def number_option(
+    name: str,
+    unit: str,
+    words: str,
+    *,
+    metavar: str,
+    low: float = -math.inf,
+    high: float = math.inf,
+    above: bool = False,
+    **settings: Any,
+) -> Any:
+    """Return an option whose value is a finite number, of some unit and within a range.
+
+    Parameters
+    ----------
+    name, unit : str
+        The option, and what its number counts, in the plural.
+    words, metavar : str
+        Its line in the help, and what stands for the value there.
+    low, high : float, optional
+        Least and largest value.
+    above : bool
+        Whether the least value itself is refused.
+    """
+
+    def parse(text: str | float) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            raise OptionError(InputError(f"must be a finite number of {unit}", key=name, value=text))
+        if not low <= value <= high or (above and value == low):
+            raise OptionError(InputError(f"must be {_range(low, high, above)}", key=name, value=value))
+        return value
+
+    return typer.Option(
+        name, parser=parse, metavar=metavar, help=_ranged(words, low, high, above), **settings
+    )
+
+
+def whole_option(
+    name: str, words: str, *, metavar: str = "NUMBER", low: float = -math.inf, high: float = math.inf,
+    example: str = "", **settings: Any,
+) -> Any:  # fmt: skip
+    """Return an option whose value is a whole number within a range; `example` is one for the error."""
+
+    def parse(text: str | int) -> int:
+        try:
+            value = int(text)
+        except ValueError as error:
+            allowed = "must be a whole number" + (f", such as {example}" if example else "")
+            raise OptionError(InputError(allowed, key=name, value=text)) from error
+        if not low <= value <= high:
+            negative = low == 0 and math.isinf(high)
+            allowed = "must not be negative" if negative else f"must be {_range(low, high, False)}"
+            raise OptionError(InputError(allowed, key=name, value=value))
+        return value
+
+    return typer.Option(
+        name, parser=parse, metavar=metavar, help=_ranged(words, low, high, False), **settings
+    )
+
+
+def _range(low: float, high: float, above: bool) -> str:
+    if math.isinf(high):
+        return f"above {low:.15g}" if above else f"{low:.15g} or more"
+    return f"above {low:.15g}, at most {high:.15g}" if above else f"from {low:.15g} to {high:.15g}"
+
+
+def _ranged(words: str, low: float, high: float, above: bool) -> str:
+    if math.isinf(low):
+        return words
+    return f"{words.removesuffix('.')}; {_range(low, high, above)}."
+
+
+def complete_words(words: Callable[[], Iterable[str]]) -> Completion:
+    """Return a completion of words that are looked up when it is asked for."""
+
+    def complete(incomplete: str) -> list[str]:
+        return [word for word in words() if word.startswith(incomplete)]
+
+    return complete
+
+
+def complete_files(words: Callable[[], Iterable[str]], suffixes: tuple[str, ...]) -> Completion:
+    """Return a completion of words, of files with one of the suffixes, and of folders that may hold some."""
+
+    def complete(incomplete: str) -> list[str]:
+        return [word for word in words() if word.startswith(incomplete)] + sorted(
+            _files(incomplete, suffixes)
+        )
+
+    return complete
+
+
+def _files(incomplete: str, suffixes: tuple[str, ...]) -> Iterator[str]:
+    folder, _, start = incomplete.rpartition("/")
+    shown = f"{folder}/" if "/" in incomplete else ""
+    try:
+        entries = list(Path(shown or ".").expanduser().iterdir())
+    except OSError:
+        return
+    for entry in entries:
+        if not entry.name.startswith(start) or (entry.name.startswith(".") and not start):
+            continue
+        if entry.is_dir():
+            yield f"{shown}{entry.name}/"
+        elif entry.suffix.lower() in suffixes:
+            yield f"{shown}{entry.name}"
+
+
+def listed(word: str, allowed: Iterable[str]) -> str:
+    """List what is allowed, with a guess at what was meant."""
+    names = list(allowed)
+    return ", ".join(names) + did_you_mean(word, names)

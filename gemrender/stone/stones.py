@@ -1,0 +1,104 @@
+"""Many stones: a sequence that makes each of them when it is asked for."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
+from typing import Generic, TypeVar, overload
+
+from gemrender.stone.solid import Stone
+
+__all__ = ["LONGEST_NAME", "Lazy", "OneStone", "Stones"]
+
+#: Longest name of a stone [characters]: it has to fit into tables and file names.
+LONGEST_NAME = 100
+
+_T = TypeVar("_T")
+
+
+class Lazy(Sequence[_T], Generic[_T]):
+    """A sequence whose items are made when asked for, and not kept.
+
+    Parameters
+    ----------
+    length : int
+        Number of items.
+    make : callable
+        Makes item i, from 0.
+    """
+
+    def __init__(self, length: int, make: Callable[[int], _T]) -> None:
+        self._length, self._make = length, make
+
+    def __len__(self) -> int:
+        return self._length
+
+    @overload
+    def __getitem__(self, i: int) -> _T: ...
+    @overload
+    def __getitem__(self, i: slice) -> Lazy[_T]: ...
+    def __getitem__(self, i: int | slice) -> _T | Lazy[_T]:
+        numbers = range(self._length)[i]
+        if isinstance(numbers, range):
+            return Lazy(len(numbers), lambda k: self._make(numbers[k]))
+        return self._make(numbers)
+
+
+class Stones(Sequence[Stone]):
+    """Stones of one source, made one at a time: a few bytes each until then.
+
+    Attributes
+    ----------
+    notes : tuple of str
+        What a user should be told of the source: columns that are not used, what was assumed.
+    settings : sequence of dict
+        For each stone, the values that were set for it (`vary`), by key; empty where none were.
+    """
+
+    notes: tuple[str, ...] = ()
+
+    @property
+    def settings(self) -> Sequence[dict[str, float | str]]:
+        """For each stone, the values that were set for it, by key."""
+        return Lazy(len(self), lambda _: {})
+
+    @property
+    def materials(self) -> dict[str | float | None, str]:
+        """Every material of the stones, and the source of the first that has it: to check beforehand."""
+        found: dict[str | float | None, str] = {}
+        for stone in self:
+            found.setdefault(stone.material, stone.source or stone.name)
+        return found
+
+    @abstractmethod
+    def __len__(self) -> int: ...
+
+    @abstractmethod
+    def _stone(self, i: int) -> Stone:
+        """Make stone i, from 0."""
+
+    @overload
+    def __getitem__(self, i: int) -> Stone: ...
+    @overload
+    def __getitem__(self, i: slice) -> Sequence[Stone]: ...
+    def __getitem__(self, i: int | slice) -> Stone | Sequence[Stone]:
+        return Lazy(len(self), self._stone)[i]
+
+
+class OneStone(Stones):
+    """A single stone, as a sequence.
+
+    Parameters
+    ----------
+    stone : Stone
+        The stone.
+    """
+
+    def __init__(self, stone: Stone) -> None:
+        self._only = stone
+
+    def __len__(self) -> int:
+        return 1
+
+    def _stone(self, i: int) -> Stone:
+        return self._only

@@ -1,0 +1,340 @@
+"""Laboratory reports: what counts, what must agree, and what is assumed."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from tolerances import PRINTED_PERCENT, ROUNDING
+
+from gemrender.errors import InputError
+from gemrender.stone import RoundBrilliant, load_stone
+from gemrender.stone.girdle_words import GIRDLE_WORDS, check_culet, read_girdle
+from gemrender.stone.laboratory import REPORT_KEYS, read_report
+
+#: GIA's reference stone, as a report prints it (Reinitz, Gilbertson & Geurts, "Weight ratio").
+REFERENCE = {
+    "shape": "Round Brilliant",
+    "table": 57,
+    "depth": 60.0,
+    "crown_angle": 34.0,
+    "crown_height": 14.5,
+    "pavilion_angle": 40.7,
+    "pavilion_depth": 43.0,
+    "girdle": "Thin to Medium (Faceted), 2.5%",
+    "star": 50,
+    "lower_half": 80,
+    "culet": "None",
+}
+FROM_ANGLES = RoundBrilliant.from_angles(
+    table=57, crown_angle=34.0, pavilion_angle=40.7, star=50, lower_half=80, girdle_thickness=2.5
+)
+
+#: Sums of numbers of order 100 [%].
+SUM = 100 * ROUNDING
+
+
+#: The rounding of a report [%] where crown and pavilion are as steep as they may be (4), and half of the
+#: widest range of a girdle (4).
+LARGEST_ROUNDING = 8.0
+
+
+def without(*keys: str, **others: object) -> dict[str, object]:
+    return {key: value for key, value in (REFERENCE | others).items() if key not in keys}
+
+
+def assumed(values: dict[str, object]) -> list[str]:
+    return [str(one) for one in read_report(values).assumed]
+
+
+def refusal(values: dict[str, object]) -> str:
+    with pytest.raises(InputError) as caught:
+        read_report(values)
+    line = str(caught.value)
+    assert "\n" not in line
+    return line
+
+
+# ---- What counts ---------------------------------------------------------------------------------------
+
+
+def test_gias_reference_report_is_the_stone_of_its_angles():
+    report = read_report(REFERENCE)
+    assert report.proportions == FROM_ANGLES
+    assert report.assumed == ()
+    assert abs(report.proportions.crown_height - 14.5) < PRINTED_PERCENT
+    assert abs(report.proportions.pavilion_depth - 43.0) < PRINTED_PERCENT
+
+
+def test_heights_alone_are_the_papers_proportions():
+    values = {
+        "table": 54.0,
+        "star": 57.0,
+        "lower_girdle_contact": 20.0,
+        "crown_height": 15.7,
+        "pavilion_depth": 43.08,
+        "girdle_thickness": 2.5,
+    }
+    assert read_report(values).proportions == RoundBrilliant(**values)
+
+
+@pytest.mark.parametrize(
+    ("left_out", "field", "expected"),
+    [
+        (("crown_angle", "crown_height"), "crown_height", 60.0 - 2.5 - 50 * math.tan(math.radians(40.7))),
+        (
+            ("pavilion_angle", "pavilion_depth"),
+            "pavilion_depth",
+            60.0 - 2.5 - 21.5 * math.tan(math.radians(34)),
+        ),
+        (
+            ("girdle",),
+            "girdle_thickness",
+            60.0 - 21.5 * math.tan(math.radians(34)) - 50 * math.tan(math.radians(40.7)),
+        ),
+    ],
+    ids=["crown", "pavilion", "girdle"],
+)
+def test_depth_gives_the_part_that_is_missing(left_out, field, expected):
+    report = read_report(without(*left_out))
+    assert abs(getattr(report.proportions, field) - expected) < SUM
+    (one,) = report.assumed
+    assert one.what == {"girdle_thickness": "girdle"}.get(field, field.replace("_", " "))
+    assert "depth less" in one.why
+
+
+def test_depth_counts_more_than_words_of_the_girdle():
+    report = read_report(without(girdle="medium", depth=60.4))
+    total = sum(
+        (
+            report.proportions.crown_height,
+            report.proportions.girdle_thickness,
+            report.proportions.pavilion_depth,
+        )
+    )
+    assert abs(total - 60.4) < SUM
+    assert assumed(without(girdle="medium", depth=60.4)) == ["girdle 2.89 (depth less crown and pavilion)"]
+
+
+def test_per_cent_of_the_girdle_counts_more_than_the_depth():
+    report = read_report(without(girdle=3.0, depth=60.6))
+    assert report.proportions.girdle_thickness == 3.0
+    assert report.assumed == ()
+
+
+def test_thickness_counts_more_than_words():
+    report = read_report(without("girdle", girdle="medium", girdle_thickness=2.5))
+    assert report.proportions.girdle_thickness == 2.5
+    assert report.assumed == ()
+
+
+def test_words_count_where_the_depth_leaves_nothing():
+    """A knife edge in figures that are rounded: never a negative thickness."""
+    report = read_report(without("girdle", girdle="extremely thin", depth=57.4))
+    assert report.proportions.girdle_thickness == 0.0
+
+
+# ---- What is assumed -----------------------------------------------------------------------------------
+
+
+def test_missing_star_and_lower_half_are_those_of_the_reference_stone():
+    values = without("star", "lower_half")
+    assert read_report(values).proportions == FROM_ANGLES
+    assert assumed(values) == ["star 50 (not in the report)", "lower half 80 (not in the report)"]
+
+
+def test_words_of_the_girdle_are_told():
+    values = without("depth", girdle="Thin - Medium")
+    assert read_report(values).proportions.girdle_thickness == 2.75
+    assert assumed(values) == ["girdle 2.75 of 'thin - medium'"]
+
+
+def test_a_range_in_per_cent_is_told():
+    assert assumed(without("depth", girdle="2.5-4.0 %")) == ["girdle 3.25 of 2.5 to 4"]
+
+
+# ---- What must agree -----------------------------------------------------------------------------------
+
+
+def test_depth_that_does_not_agree():
+    assert refusal(without(depth=62.0)) == (
+        "depth = 62.0: crown 14.5 + pavilion 43.0 + girdle 2.5 make 60.0 %; the rounding of a report allows "
+        "a difference of 0.76 %"
+    )
+
+
+def test_depth_tolerance_is_the_sum_of_half_steps():
+    """Table 1 %, crown 0.5 deg, pavilion 0.2 deg, girdle 0.5 %, depth 0.1 %: what each moves the sum by."""
+    crown, pavilion = math.radians(34), math.radians(40.7)
+    allowed = 0.05 + 0.25 + 0.5 / 2 * math.tan(crown)
+    allowed += 21.5 / math.cos(crown) ** 2 * math.radians(0.25)
+    allowed += 50 / math.cos(pavilion) ** 2 * math.radians(0.1)
+    total = FROM_ANGLES.crown_height + FROM_ANGLES.girdle_thickness + FROM_ANGLES.pavilion_depth
+    for sign in (-1, 1):
+        read_report(without(depth=total + sign * (allowed - 1e-6)))
+        refusal(without(depth=total + sign * (allowed + 1e-6)))
+
+
+@pytest.mark.parametrize(
+    ("values", "line"),
+    [
+        (
+            without(crown_height=16.0),
+            "crown_height = 16.0: crown_angle = 34 with table = 57 makes it 14.5 %; the rounding of a report "
+            "allows a difference of 0.56 %",
+        ),
+        (
+            without(pavilion_depth=44.0),
+            "pavilion_depth = 44.0: pavilion_angle = 40.7 makes it 43.0 %; the rounding of a report allows a "
+            "difference of 0.4 %",
+        ),
+        (
+            without(lower_girdle_contact=30),
+            "lower_girdle_contact = 30.0: lower_half = 80 makes it 20 %; the rounding of a report allows a "
+            "difference of 2.5 %",
+        ),
+        (
+            without(girdle="very thick", depth=60.0),
+            "depth = 60.0: with crown 14.5 + pavilion 43.0 % leaves a girdle of 2.5 %, which does not fit "
+            "'very thick'; the rounding of a report allows a difference of 0.51 %",
+        ),
+        (
+            without("girdle", depth=55.0),
+            "depth = 55.0: with crown 14.5 + pavilion 43.0 % leaves a girdle of -2.5 %; the rounding of a "
+            "report allows a difference of 0.51 %",
+        ),
+        (
+            without("crown_angle", "crown_height", depth=45.0),
+            "depth = 45.0: less girdle and pavilion depth (45.5 %) leaves a crown height of -0.5 %, which "
+            "must be from 0.5 to 60 [%]",
+        ),
+        (without(depth=3.9), "depth = 3.9: must be from 20 to 160 [%]"),
+        (without(shape="Oval"), "shape = 'Oval': must be round: other shapes cannot be made yet"),
+        (
+            without(culet="Very Small"),
+            "culet = 'Very Small': must be none or pointed: stones with a culet facet cannot be made yet",
+        ),
+        (
+            {"table": 55, "depth": 61.5},
+            "needs the crown (crown_angle or crown_height), the pavilion (pavilion_angle or pavilion_depth), "
+            "the girdle (girdle or girdle_thickness); the depth stands for one of these only",
+        ),
+        (without("table", "depth", "girdle"), "needs the table, the girdle (girdle or girdle_thickness)"),
+        (without(crown_angle="34"), "crown_angle = '34': must be a number from 1 to 75 [deg]"),
+        (
+            without(crown_angle=75, crown_height=14.5),
+            "crown_angle = 75.0: gives a crown height of 80.2 %; must be from 0.5 to 60 %",
+        ),
+    ],
+)
+def test_report_that_is_refused(values, line):
+    assert refusal(values) == line
+
+
+# ---- Words ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "thickness"),
+    [
+        *GIRDLE_WORDS.items(),
+        *zip(("ETN", "VTN", "THN", "MED", "STK", "THK", "VTK", "ETK"), GIRDLE_WORDS.values(), strict=True),
+        ("Medium, Faceted", 3.0),
+        ("medium to slightly thick", 3.5),
+        ("Med - Slt Thick", 3.5),
+        ("THN-STK (faceted)", 3.25),
+        ("Thick to Thin", 3.75),
+        ("Extremely thin to very thick", 4.25),
+        ("2.5-4.0 %", 3.25),
+        ("3,5 %", 3.5),
+        ("Medium to Slightly Thick (Faceted) 3.5%", 3.5),
+    ],
+)
+def test_girdle(text, thickness):
+    assert read_girdle(text).thickness == thickness
+
+
+@pytest.mark.parametrize(
+    "text", ["", "T", "slightly thin", "very medium", "0.2 mm", "1 2 3", "thinnish", "nan", "-"]
+)
+def test_girdle_that_says_nothing(text):
+    with pytest.raises(InputError, match="must be per cent of the diameter"):
+        read_girdle(text)
+
+
+@pytest.mark.parametrize("culet", ["none", "None", "NON", "pointed", "Pointed (None)", "N", 0, 0.0, "0 %"])
+def test_culet_that_is_a_point(culet):
+    check_culet(culet)
+
+
+@pytest.mark.parametrize("culet", ["small", "VSM", "medium", 0.5, "0.5 %", "", True, "none, abraded"])
+def test_culet_that_is_a_facet(culet):
+    with pytest.raises(InputError, match="must be none or pointed"):
+        check_culet(culet)
+
+
+# ---- Values of any kind --------------------------------------------------------------------------------
+
+ANYTHING = st.one_of(
+    st.floats(),
+    st.integers(),
+    st.text(max_size=12),
+    st.sampled_from([*GIRDLE_WORDS, "none", "round", 10**400, True, [1], {}, 57, 34.0, 40.7, 60, "2.5 %"]),
+)
+
+
+@settings(max_examples=300, derandomize=True, deadline=None)
+@given(
+    others=st.dictionaries(st.sampled_from(REPORT_KEYS), ANYTHING, max_size=3),
+    left_out=st.sets(st.sampled_from([*REFERENCE]), max_size=5),
+)
+def test_values_of_any_kind(others, left_out):
+    """Proportions that the depth agrees with, or one line."""
+    values = {key: value for key, value in (REFERENCE | others).items() if key not in left_out}
+    try:
+        proportions = read_report(values).proportions
+    except InputError as error:
+        line = str(error)
+        assert len(line.splitlines()) == 1
+        return
+    if "depth" in values:
+        total = proportions.crown_height + proportions.girdle_thickness + proportions.pavilion_depth
+        assert abs(total - values["depth"]) < LARGEST_ROUNDING
+
+
+# ---- Stone files ---------------------------------------------------------------------------------------
+
+
+def test_stone_file_with_a_report(tmp_path):
+    path = Path(tmp_path / "report.toml")
+    path.write_text(
+        '[report]\ntable = 57\ncrown_angle = 34\npavilion_angle = 40.7\ngirdle = "Thin - Medium"\n'
+    )
+    stone = load_stone(path)
+    assert stone.proportions is not None
+    assert stone.proportions.girdle_thickness == 2.75
+    assert stone.description == "report"
+    assert stone.assumed == (
+        "girdle 2.75 of 'thin - medium'",
+        "star 50 (not in the report)",
+        "lower half 80 (not in the report)",
+    )
+    assert stone.rotated(10).assumed == stone.assumed
+
+
+def test_stone_file_with_a_bad_report(tmp_path):
+    path = Path(tmp_path / "report.toml")
+    path.write_text('[report]\ntable = 57\ncrown_angle = 34\npavilion_angle = 40.7\ngirdle = "huge"\n')
+    with pytest.raises(InputError) as caught:
+        load_stone(path)
+    assert str(caught.value).startswith(f"{path}: report.girdle = 'huge': must be per cent of the diameter")
+    path.write_text("[report]\ntable = 57\ncrown_angle = 34\n")
+    with pytest.raises(InputError) as caught:
+        load_stone(path)
+    assert str(caught.value) == (
+        f"{path}: [report]: needs the pavilion (pavilion_angle or pavilion_depth), the girdle (girdle or "
+        "girdle_thickness)"
+    )
