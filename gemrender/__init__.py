@@ -8,7 +8,7 @@
     result = gemrender.score(stone)
     print(result.average, result.rear)
 
-Importing the package imports no Mitsuba and sets no variant.
+Importing the package imports no Mitsuba and sets no variant; `gemrender.mitsuba` does both.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from gemrender.engines import observe
 from gemrender.errors import BackendError, GemrenderError, InputError
+from gemrender.render import import_order as _import_order
 
 # At once, not on demand: the function has its module's name, and must be bound after the module.
 from gemrender.score import Score, score
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from gemrender.beam import VirtualFacets, trace_facets
     from gemrender.beam.sensitivity import sensitivity
     from gemrender.observation import Model, Observation, RayStatus, View
+    from gemrender.render.backend import mitsuba
     from gemrender.stone import RoundBrilliant, Stone, bundled_stones, load_stone, load_stones, vary
 
 __version__ = "0.1.0"
@@ -45,6 +47,7 @@ __all__ = [
     "bundled_stones",
     "load_stone",
     "load_stones",
+    "mitsuba",
     "observe",
     "score",
     "sensitivity",
@@ -62,11 +65,15 @@ _ON_DEMAND = {
     "bundled_stones": "gemrender.stone",
     "load_stone": "gemrender.stone",
     "load_stones": "gemrender.stone",
+    "mitsuba": "gemrender.render.backend",
     "vary": "gemrender.stone",
     "VirtualFacets": "gemrender.beam",
     "sensitivity": "gemrender.beam.sensitivity",
     "trace_facets": "gemrender.beam",
 }
+
+
+_import_order.name_llvm_before_drjit()
 
 
 def __getattr__(name: str) -> Any:

@@ -5,11 +5,13 @@
     GemrenderError          exit status 1
     ├── InputError          exit status 2: the user's input; one line says what is allowed
     └── BackendError        exit status 1: Mitsuba, Dr.Jit or LLVM cannot run here; says the cure
+
+    GemrenderWarning        no error: something was mended or left out, and one line says what
 """
 
 from __future__ import annotations
 
-__all__ = ["BackendError", "GemrenderError", "InputError"]
+__all__ = ["BackendError", "GemrenderError", "GemrenderWarning", "InputError"]
 
 
 class GemrenderError(Exception):
@@ -44,7 +46,7 @@ class InputError(GemrenderError, ValueError):
     def __str__(self) -> str:
         what = self.key or ""
         if self.value is not ...:
-            shown = _one_line(repr(self.value))
+            shown = _one_line(_shown(self.value))
             what = f"{what} = {shown}" if what else shown
         return ": ".join(_one_line(part, 2000) for part in (self.source, what, self.allowed) if part)
 
@@ -58,7 +60,18 @@ class BackendError(GemrenderError, RuntimeError):
     """Mitsuba, Dr.Jit or LLVM cannot run on this machine; the message ends with the cure."""
 
 
+class GemrenderWarning(UserWarning):
+    """Something was mended or left out, told in one line; what comes of it is right as far as that says."""
+
+
 def _one_line(text: str, most: int = 60) -> str:
     # A file's name may hold anything, commands to the terminal included.
     text = " ".join("".join(c if c.isprintable() or c.isspace() else "\ufffd" for c in text).split())
     return text if len(text) <= most else text[: most - 1] + "…"
+
+
+def _shown(value: object) -> str:
+    try:
+        return repr(value)
+    except (RecursionError, ValueError):  # nested a thousand deep; a whole number of more than 4300 digits
+        return f"({type(value).__name__})"

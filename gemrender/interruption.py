@@ -8,7 +8,7 @@ import threading
 from collections.abc import Callable, Iterator
 from types import FrameType
 
-__all__ = ["interrupted_by_signals"]
+__all__ = ["interrupted_by_signals", "interruptions_held"]
 
 #: What `kill`, `timeout` and batch systems send, and what a terminal sends when it is closed.
 _NAMES = ("SIGTERM", "SIGHUP")
@@ -48,3 +48,30 @@ def interrupted_by_signals() -> Iterator[Callable[[], int]]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+@contextlib.contextmanager
+def interruptions_held() -> Iterator[None]:
+    """Hold back Ctrl-C, and signals that are answered like it, until the end of what is within.
+
+    For short work that cannot be broken off: libraries that are imported make an abort, or an error of
+    another kind, of an interruption. Outside the main thread it does nothing.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    held: list[int] = []
+    before = {}
+    for name in ("SIGINT", *_NAMES):
+        number = getattr(signal, name, None)
+        handler = None if number is None else signal.getsignal(number)
+        if number is not None and callable(handler):  # neither ignored, nor the system's own
+            before[number] = handler
+            signal.signal(number, lambda number, _: held.append(number))
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        if held:
+            signal.raise_signal(held[0])

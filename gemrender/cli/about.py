@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Annotated, Any
 
 import typer
@@ -10,7 +11,7 @@ from gemrender.cli.gems import complete_materials, complete_setups
 from gemrender.cli.groups import command
 from gemrender.cli.options import OUTPUT, TableOptions, bundled_names
 from gemrender.cli.output import print_records, stdout
-from gemrender.cli.values import complete_words, listed
+from gemrender.cli.values import complete_words
 from gemrender.errors import InputError
 
 __all__ = ["doctor", "materials", "setups", "stones"]
@@ -30,9 +31,10 @@ def stones(
 ) -> None:
     """List the bundled stones and their proportions."""
     from gemrender.report.catalogue import stone_records, stone_table
+    from gemrender.templates import stone_template
 
     if show is not None:
-        _print_bundled("", show)
+        _print_template(stone_template, show)
         return
     print_records(table.chosen, tables=lambda: [stone_table()], records=stone_records)
 
@@ -46,43 +48,79 @@ def setups(
 ) -> None:
     """List the set-ups that stones can be pictured in."""
     from gemrender.report.catalogue import setup_records, setup_table
+    from gemrender.templates import setup_template
 
     if show is not None:
-        _print_bundled("setups", show)
+        _print_template(setup_template, show)
         return
     print_records(table.chosen, tables=lambda: [setup_table()], records=setup_records)
-
-
-def _print_bundled(folder: str, name: str) -> None:
-    """Print a bundled file as it is."""
-    from gemrender.reading import bundled_files
-
-    files = bundled_files(folder)
-    if name not in files:
-        raise InputError(f"must be one of {listed(name, files)}", key="--show", value=name)
-    typer.echo(files[name].read_text(encoding="utf-8"), nl=False)
 
 
 @command
 def materials(
     table: TableOptions,
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="MATERIAL",
+            help="Names or files of materials, to be told in full; by default all are listed.",
+            autocompletion=complete_materials,
+        ),
+    ] = None,
     show: Annotated[
         str | None, _show_option("Print a file of one instead, to start from.", complete_materials)
     ] = None,
 ) -> None:
-    """List the materials: index, dispersion, density, and where they come from."""
-    from gemrender.report.catalogue import material_records, material_table
+    """List the materials, or tell of some their index by wavelength and what is continued."""
+    from gemrender.report.catalogue import material_records, material_table, sheet_table
+    from gemrender.templates import material_template
 
-    print_records(table.chosen, tables=lambda: [material_table()], records=material_records)
+    if show is not None:
+        _print_template(material_template, show)
+        return
+    try:
+        print_records(
+            table.chosen,
+            tables=lambda: [sheet_table(names) if names else material_table()],
+            records=lambda: material_records(names or ()),
+        )
+    except InputError as error:
+        if error.source is not None:
+            raise
+        raise InputError(error.allowed, key="MATERIAL", value=error.value) from error
+
+
+def _print_template(template: Callable[[str], str], name: str) -> None:
+    try:
+        text = template(name)
+    except InputError as error:
+        if error.source is not None:
+            raise
+        raise InputError(error.allowed, key="--show", value=name) from error
+    typer.echo(text, nl=False)
 
 
 @command
-def doctor(table: TableOptions) -> None:
+def doctor(
+    table: TableOptions,
+    export: Annotated[
+        bool,
+        typer.Option(
+            "--export",
+            "-e",
+            help='Print the line that makes Mitsuba\'s own program work: eval "$(gemrender doctor -e)".',
+        ),
+    ] = False,
+) -> None:
     """Say what of Mitsuba, Dr.Jit and LLVM was found, and whether gemrender can run here."""
     from gemrender.render.diagnosis import diagnose
+    from gemrender.render.llvm import export_line
     from gemrender.report.catalogue import check_records, check_table
     from gemrender.report.doctor import print_doctor
 
+    if export:
+        typer.echo(export_line())
+        return
     form = table.chosen
     checks = diagnose()
     if form == "table":

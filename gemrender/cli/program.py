@@ -8,6 +8,7 @@ import io
 import logging
 import os
 import sys
+import warnings
 from collections.abc import Iterator
 from typing import Annotated, Any, NoReturn
 
@@ -26,7 +27,7 @@ from gemrender.cli.sensitivity import sensitivity
 from gemrender.cli.show import show
 from gemrender.cli.symmetry import symmetry
 from gemrender.cli.values import OptionError, listed
-from gemrender.errors import GemrenderError, InputError
+from gemrender.errors import GemrenderError, GemrenderWarning, InputError
 from gemrender.interruption import interrupted_by_signals
 
 __all__ = ["app", "main", "run"]
@@ -83,7 +84,7 @@ def main(arguments: list[str] | None = None) -> NoReturn:
 
 def run(arguments: list[str] | None) -> int:
     """Run the command line and return its exit status."""
-    with interrupted_by_signals() as status_of_interruption, _log_on_stderr():
+    with interrupted_by_signals() as status_of_interruption, _warnings_on_stderr():
         status = _run(arguments)
     if status != _INTERRUPTED:  # typer makes an exit of an interruption, too
         return status
@@ -92,16 +93,27 @@ def run(arguments: list[str] | None) -> int:
 
 
 @contextlib.contextmanager
-def _log_on_stderr() -> Iterator[None]:
-    """Show the warnings that parts of gemrender log, as the commands' own messages."""
+def _warnings_on_stderr() -> Iterator[None]:
+    """Show what parts of gemrender log and warn of as the commands' own messages."""
+
+    def show(message: Warning | str, kind: type[Warning], *where: Any, **more: Any) -> None:
+        if issubclass(kind, GemrenderWarning):
+            say(f"gemrender: {message}")
+        else:
+            shown_before(message, kind, *where, **more)
+
     handler = logging.Handler(logging.WARNING)
     handler.emit = lambda record: say(f"gemrender: {record.getMessage()}")  # type: ignore[method-assign]
     log = logging.getLogger("gemrender")
     log.addHandler(handler)
-    try:
-        yield
-    finally:
-        log.removeHandler(handler)
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", GemrenderWarning)
+        shown_before = warnings.showwarning
+        warnings.showwarning = show  # type: ignore[assignment]
+        try:
+            yield
+        finally:
+            log.removeHandler(handler)
 
 
 def _run(arguments: list[str] | None) -> int:

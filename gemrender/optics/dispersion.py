@@ -10,16 +10,27 @@ import numpy as np
 
 from gemrender.errors import InputError
 from gemrender.optics.tabulated import Table, is_list, numbers_of
+from gemrender.reading import did_you_mean
 
-__all__ = ["FORMULAE", "Dispersion", "Formula"]
+__all__ = ["FORMULAE", "INDEX_RANGE", "LARGEST_COEFFICIENT", "VISIBLE_NM", "Dispersion", "Formula"]
+
+#: Allowed range of a refractive index.
+INDEX_RANGE = (1.05, 4.0)
+#: Visible light, where every material has an index [nm].
+VISIBLE_NM = (380.0, 760.0)
 
 #: Names of the formulae, and what their coefficients are; L is the wavelength in vacuum [um].
 FORMULAE: dict[str, str] = {
-    "sellmeier": "pairs [B, C] of n^2 = 1 + sum B L^2 / (L^2 - C^2)",
-    "sellmeier-2": "pairs [B, C] of n^2 = 1 + sum B L^2 / (L^2 - C)",
+    "sellmeier": "pairs [B, C] of n^2 = 1 + sum B L^2 / (L^2 - C^2), C in um",
+    "sellmeier-2": "pairs [B, C] of n^2 = 1 + sum B L^2 / (L^2 - C), C in um^2",
     "pole": "four numbers [A, B, C, D] of n^2 = A + B / (L^2 - C) + D L^2",
     "cauchy": "numbers [A, B, C, ...] of n = A + B / L^2 + C / L^4 + ...",
 }
+#: Largest coefficient, up or down: far above all that were ever published, and its square is a float.
+LARGEST_COEFFICIENT = 1e9
+
+#: The two forms of Sellmeier's equation, each by the other: catalogues have both, with the same letters.
+_OTHER_SELLMEIER = {"sellmeier": "sellmeier-2", "sellmeier-2": "sellmeier"}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,7 +59,10 @@ class Formula:
 
     def __post_init__(self) -> None:
         if not isinstance(self.formula, str) or self.formula not in FORMULAE:
-            raise InputError(f"must be one of {', '.join(FORMULAE)}", key="formula", value=self.formula)
+            guess = did_you_mean(self.formula, FORMULAE) if isinstance(self.formula, str) else ""
+            raise InputError(
+                f"must be one of {', '.join(FORMULAE)}{guess}", key="formula", value=self.formula
+            )
         allowed = f"must be {FORMULAE[self.formula]}"
         key, given = "coefficients", self.coefficients
         if not is_list(given) or not len(given):
@@ -58,9 +72,9 @@ class Formula:
             for i, pair in enumerate(given):
                 if not is_list(pair) or len(pair) != 2:
                     raise InputError(allowed, key=f"{key}[{i}]", value=pair)
-            made = tuple(numbers_of(pair, f"{key}[{i}]") for i, pair in enumerate(given))
+            made = tuple(_coefficients(pair, f"{key}[{i}]") for i, pair in enumerate(given))
         else:
-            made = numbers_of(given, key)
+            made = _coefficients(given, key)
             if self.formula == "pole" and len(made) != 4:
                 raise InputError(allowed, key=key, value=list(made))
         object.__setattr__(self, key, made)
@@ -70,6 +84,11 @@ class Formula:
         length_um = np.asarray(wavelength_nm, dtype=np.float64) / 1000
         with np.errstate(all="ignore"):
             return np.asarray(_COMPUTED[self.formula](length_um**2, self.coefficients))
+
+    def other_sellmeier(self) -> Formula | None:
+        """Return the formula of the same coefficients in the other of Sellmeier's forms; None for no such."""
+        other = _OTHER_SELLMEIER.get(self.formula)
+        return None if other is None else Formula(formula=other, coefficients=self.coefficients)
 
     def poles_nm(self) -> tuple[float, ...]:
         """Return the wavelengths [nm] at which the formula has a pole."""
@@ -82,6 +101,15 @@ class Formula:
         else:
             squares = []
         return tuple(1000 * square**0.5 for square in squares if square > 0)
+
+
+def _coefficients(values: Any, key: str) -> tuple[float, ...]:
+    made = numbers_of(values, key)
+    for i, value in enumerate(made):
+        if abs(value) > LARGEST_COEFFICIENT:
+            allowed = f"must be from {-LARGEST_COEFFICIENT:g} to {LARGEST_COEFFICIENT:g}"
+            raise InputError(allowed, key=f"{key}[{i}]", value=value)
+    return made
 
 
 #: Where a material's index comes from; a table is of the index.

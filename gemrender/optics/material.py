@@ -10,12 +10,24 @@ import numpy as np
 
 from gemrender.errors import InputError
 from gemrender.mistakes import Mistakes
-from gemrender.optics.dispersion import Dispersion, Formula
+from gemrender.optics.abbe import (
+    ABBE_LINES_NM,
+    FRAUNHOFER_B_NM,
+    FRAUNHOFER_G_NM,
+    SODIUM_NM,
+    abbe_number,
+    other_form,
+    refuse_other_form,
+)
+from gemrender.optics.cautions import beyond, cautions
+from gemrender.optics.dispersion import INDEX_RANGE, VISIBLE_NM, Dispersion, Formula
 from gemrender.optics.tabulated import WAVELENGTHS_NM, Table, finite, numbers_of
 
 __all__ = [
     "DENSITY_RANGE",
+    "DIAMETER_RANGE_MM",
     "INDEX_RANGE",
+    "MOST_ABSORPTION",
     "SODIUM_NM",
     "VISIBLE_NM",
     "Material",
@@ -25,16 +37,13 @@ __all__ = [
     "constant_index",
 ]
 
-#: Allowed range of a refractive index.
-INDEX_RANGE = (1.05, 4.0)
 #: Allowed range of a density [g/cm^3]: lighter than amber, heavier than every gem.
 DENSITY_RANGE = (0.5, 25.0)
-#: Visible light, where every material has an index [nm].
-VISIBLE_NM = (380.0, 760.0)
-#: The sodium D line (the middle of its two) that gemmologists measure indices at [nm].
-SODIUM_NM = 589.3
-#: Fraunhofer's G and B lines, whose indices differ by what gemmologists call dispersion [nm].
-FRAUNHOFER_G_NM, FRAUNHOFER_B_NM = 430.8, 686.7
+#: Highest absorption coefficient, that of metals [1/mm].
+MOST_ABSORPTION = 1e6
+
+#: Girdle diameters that stones may have [mm].
+DIAMETER_RANGE_MM = (0.1, 1000.0)
 
 #: Mass of a carat [g].
 _CARAT_G = 0.2
@@ -68,8 +77,8 @@ class Material:
     Raises
     ------
     InputError
-        A range without visible light, an index that leaves `INDEX_RANGE` anywhere, a negative absorption
-        coefficient, a density that no gem has.
+        A range without visible light, an index that leaves `INDEX_RANGE` anywhere, coefficients of the other
+        of Sellmeier's forms, an absorption coefficient out of range, a density that no gem has.
     """
 
     name: str
@@ -85,15 +94,17 @@ class Material:
         object.__setattr__(self, "density", checked_density(self.density))
         with Mistakes() as mistakes:
             mistakes.of(self._check_index)
+            if not mistakes.errors:
+                mistakes.of(refuse_other_form, self.dispersion)
             mistakes.of(self._check_absorption)
 
     def _check_absorption(self) -> None:
         if self.absorption is not None:
             for i, value in enumerate(self.absorption.values):
-                if value < 0:
-                    raise InputError(
-                        "must be at least 0 [1/mm]", key=f"absorption.{self.absorption.key}[{i}]", value=value
-                    )
+                if not 0 <= value <= MOST_ABSORPTION:
+                    least = "at least 0" if value < 0 else f"at most {MOST_ABSORPTION:g}"
+                    key = f"absorption.{self.absorption.key}[{i}]"
+                    raise InputError(f"must be {least} [1/mm]", key=key, value=value)
 
     def _check_index(self) -> None:
         first, last = self.wavelengths_nm
@@ -102,19 +113,36 @@ class Material:
         if isinstance(self.dispersion, Table):
             tried = np.concatenate([tried, self.dispersion.wavelength_nm])
         tried = np.sort(tried[(tried >= first) & (tried <= last)])
-        index = self._index(tried)
+        with np.errstate(all="ignore"):
+            index = self._index(tried)
         low, high = INDEX_RANGE
-        with np.errstate(invalid="ignore"):
-            wrong = ~((index >= low) & (index <= high))  # true for NaN too
+        wrong = ~((index >= low) & (index <= high))  # true for NaN too
         if wrong.any():
             at = int(np.argmax(wrong))
             raise InputError(
-                f"must be from {low:g} to {high:g} at every wavelength from {first:g} to {last:g} nm",
+                f"must be from {low:g} to {high:g} at every wavelength from {first:g} to {last:g} nm"
+                + self._hint(tried[at]),
                 key=f"index at {tried[at]:.6g} nm",
                 value=float(index[at]),
             )
 
-    def _index(self, wavelength_nm: np.ndarray) -> np.ndarray:
+    def _hint(self, wavelength_nm: float) -> str:
+        """Say what may be wrong where the index is out of range."""
+        if isinstance(self.dispersion, Table):
+            low, high = self.range_nm
+            inside = low <= wavelength_nm <= high
+            return (
+                ""
+                if inside
+                else f"; the table of {low:g} to {high:g} nm is continued there as its end rows run"
+            )
+        if other := other_form(self.dispersion):
+            return f"; {other[0]}"
+        if not INDEX_RANGE[0] <= self._index(SODIUM_NM) <= INDEX_RANGE[1]:
+            return "; coefficients are for wavelengths in micrometres"
+        return "" if VISIBLE_NM[0] <= wavelength_nm <= VISIBLE_NM[1] else "; range_nm may be narrower"
+
+    def _index(self, wavelength_nm: Any) -> np.ndarray:
         if isinstance(self.dispersion, Table):
             return self.dispersion.at(wavelength_nm, continued=True)
         return self.dispersion.index(wavelength_nm)
@@ -182,6 +210,26 @@ class Material:
         return self.absorption.at(wavelength_nm)
 
     @property
+    def abbe_number(self) -> float | None:
+        """Abbe's number (n_D - 1) / (n_F - n_C), by the sodium line; None where n_F and n_C are equal."""
+        return abbe_number(*self._index(ABBE_LINES_NM))
+
+    @property
+    def continued_nm(self) -> tuple[tuple[float, float], ...]:
+        """The stretches of visible light beyond `range_nm`, where the dispersion is continued [nm]."""
+        return beyond(self.range_nm)
+
+    @property
+    def cautions(self) -> tuple[str, ...]:
+        """What the numbers themselves give reason to say, each a line: what is continued, what no gem has."""
+        return cautions(self)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a user should know: the material's own note, if it has one, then its `cautions`."""
+        return (*([self.note] if self.note else []), *self.cautions)
+
+    @property
     def dispersion_b_g(self) -> float:
         """What gemmologists call dispersion: the index at 430.8 nm less that at 686.7 nm."""
         blue, red = self.index([FRAUNHOFER_G_NM, FRAUNHOFER_B_NM])
@@ -207,12 +255,22 @@ def carat_to_girdle_diameter_mm(carat: float, volume: float, density: float) -> 
         Volume of the stone [girdle radius^3].
     density : float
         Density [g/cm^3].
+
+    Raises
+    ------
+    InputError
+        A number that is not above 0, or a diameter outside `DIAMETER_RANGE_MM`.
     """
     for key, value in {"carat": carat, "volume": volume, "density": density}.items():
         if not finite(value) or value <= 0:
             raise InputError("must be a finite number above 0", key=key, value=value)
     volume_mm3 = 1000.0 * _CARAT_G * carat / density
-    return float(2.0 * (volume_mm3 / volume) ** (1 / 3))
+    diameter = float(2.0 * (volume_mm3 / volume) ** (1 / 3))
+    low, high = DIAMETER_RANGE_MM
+    if not low <= diameter <= high:
+        allowed = f"must make a girdle of {low:g} to {high:g} mm; this makes {diameter:.3g} mm"
+        raise InputError(allowed, key="carat", value=carat)
+    return diameter
 
 
 def checked_density(density: Any) -> float | None:

@@ -6,10 +6,11 @@ Whatever is wrong with a file is told in one line: the file, the key, the value,
 from __future__ import annotations
 
 import os
+import warnings
 from pathlib import Path
 from typing import Any
 
-from gemrender.errors import InputError
+from gemrender.errors import GemrenderWarning, InputError
 from gemrender.mistakes import Mistakes
 from gemrender.optics.dispersion import Dispersion, Formula
 from gemrender.optics.material import Material, checked_density, checked_range
@@ -34,6 +35,9 @@ LONGEST_LINE = 3500
 #: Longest name, and longest source and note [characters].
 LONGEST_NAME, LONGEST_TEXT = 100, 1000
 
+#: What was already said of files in this process: a command loads a file more than once.
+_SAID: set[str] = set()
+
 _TOP = ("name", "density", "source", "note", "index", "absorption")
 _FORMULA = ("formula", "coefficients", "range_nm")
 _TABLE = ("wavelength_nm", "n")
@@ -41,7 +45,7 @@ _ABSORPTION = ("wavelength_nm", "per_mm")
 _FORMS = f"{', '.join(_FORMULA)}; or {' and '.join(_TABLE)}"
 
 
-def load_material(material: str | os.PathLike[str] | float | None) -> Material:
+def load_material(material: str | os.PathLike[str] | float | None, *, warn: bool = True) -> Material:
     """Load a material by its name, from a file, or make one of an index.
 
     A file is TOML::
@@ -51,7 +55,7 @@ def load_material(material: str | os.PathLike[str] | float | None) -> Material:
         source = "catalogue"             # optional, as is note
         [index]
         formula = "sellmeier"            # one of `dispersion.FORMULAE`, wavelengths in micrometres
-        coefficients = [[1.0, 0.1], [0.2, 0.2]]
+        coefficients = [[1.0, 0.1], [0.2, 0.2]]     # B and C [um]; C in um^2 is "sellmeier-2"
         range_nm = [360, 1000]
         # or: wavelength_nm = [...], n = [...]      linear between the rows
         [absorption]                     # optional; coefficient to the base e
@@ -63,11 +67,18 @@ def load_material(material: str | os.PathLike[str] | float | None) -> Material:
     material : str, path-like, float or None
         One of `material_names` (case, hyphens and underscores do not count), a TOML file, the index of a
         material without dispersion, or None for diamond. A name wins over a file that is called like it.
+    warn : bool
+        Whether to warn of what `Material.cautions` says of a file.
 
     Raises
     ------
     InputError
         No such material, a file that cannot be read, or one that makes no material.
+
+    Warns
+    -----
+    GemrenderWarning
+        Of each of the `Material.cautions` of a file, as where its index is continued; once in a process.
     """
     if material is None:
         return find_material("diamond")
@@ -76,7 +87,17 @@ def load_material(material: str | os.PathLike[str] | float | None) -> Material:
     name = os.fspath(material)
     if normal_name(name) in material_names() or not _is_path(name):
         return find_material(name, hint="; or a TOML file of a material")
-    return _from_toml(Path(name))
+    made = _from_toml(Path(name))
+    if warn:
+        _warn(name, made)
+    return made
+
+
+def _warn(name: str, material: Material) -> None:
+    for line in (f"{name}: {words}" for words in material.cautions):
+        if line not in _SAID:
+            _SAID.add(line)
+            warnings.warn_explicit(line, GemrenderWarning, name, 0)
 
 
 def _is_path(name: str) -> bool:

@@ -10,7 +10,7 @@ from gemrender.errors import InputError
 from gemrender.optics import absorption
 from gemrender.optics.dispersion import Formula
 from gemrender.optics.fresnel import GUBELIN_INDEX
-from gemrender.optics.material import INDEX_RANGE, SODIUM_NM, VISIBLE_NM, Material, constant_index
+from gemrender.optics.material import INDEX_RANGE, SODIUM_NM, Material, constant_index
 from gemrender.optics.tabulated import Table
 from gemrender.reading import did_you_mean
 
@@ -35,19 +35,13 @@ def _crystal(
     name: str, formula: str, coefficients: tuple[object, ...], range_nm: tuple[float, float],
     density: float, source: str, note: str = "",
 ) -> Material:  # fmt: skip
-    """Make a colourless material, and note where its formula is continued in the visible."""
-    low, high = max(range_nm[0], VISIBLE_NM[0]), min(range_nm[1], VISIBLE_NM[1])
-    notes = [note] if note else []
-    if low > VISIBLE_NM[0]:
-        notes.append(f"formula of {range_nm[0]:g} nm and above, continued to {VISIBLE_NM[0]:g} nm")
-    if high < VISIBLE_NM[1]:
-        notes.append(f"formula of {range_nm[1]:g} nm and below, continued to {VISIBLE_NM[1]:g} nm")
+    """Make a colourless material."""
     return Material(
         name=name,
         dispersion=Formula(formula=formula, coefficients=coefficients),
         range_nm=range_nm,
         source=source,
-        note="; ".join(notes),
+        note=note,
         density=density,
     )
 

@@ -11,7 +11,9 @@ import sys
 from typing import Any
 
 from gemrender.errors import BackendError, InputError
+from gemrender.interruption import interruptions_held
 from gemrender.render.cures import backend_error, cure_for_missing, library_cure
+from gemrender.render.import_order import exchange_llvm
 from gemrender.render.llvm import (
     LLVM_FLOOR,
     LLVM_VARIABLE,
@@ -21,10 +23,48 @@ from gemrender.render.llvm import (
     require_loadable,
 )
 
-__all__ = ["DRJIT", "MITSUBA", "LlvmLibrary", "ensure_variant", "find_llvm", "prepare_llvm"]
+__all__ = ["DRJIT", "MITSUBA", "LlvmLibrary", "ensure_variant", "find_llvm", "mitsuba", "prepare_llvm"]
 
 #: Versions that gemrender runs with, as pinned in pyproject.toml.
 MITSUBA, DRJIT = "3.9.1", "1.5.0"
+
+
+def mitsuba(variant: str | None = None) -> Any:
+    """Return Mitsuba, ready: with an LLVM that works, a variant set, and gemrender's plugins registered.
+
+    ::
+
+        mi = gemrender.mitsuba()
+        scene = mi.load_file("scene.xml")
+        mi.util.write_bitmap("picture.png", mi.render(scene))
+
+    In whatever order gemrender, Mitsuba and Dr.Jit are imported, and whatever variant was set before. Once a
+    scene has been loaded with an LLVM that does not work, it is too late.
+
+    Parameters
+    ----------
+    variant : str, optional
+        Name of a Mitsuba variant, not one of the scalar ones. None is the active variant if there is one and
+        it is not scalar, and else ``llvm_ad_spectral``, in which stones have dispersion and colour.
+
+    Returns
+    -------
+    module
+        Mitsuba, as ``import mitsuba`` names it.
+
+    Raises
+    ------
+    InputError
+        No such variant, or a scalar one.
+    BackendError
+        Mitsuba, Dr.Jit, LLVM or a GPU is missing or of the wrong version; with the cure.
+    """
+    if variant is None:
+        imported = sys.modules.get("mitsuba")
+        active = None if imported is None else imported.variant()
+        variant = "llvm_ad_spectral" if active is None or active.startswith("scalar") else active
+    ensure_variant(variant)
+    return sys.modules["mitsuba"]
 
 
 def ensure_variant(variant: str = "llvm_ad_mono") -> str:
@@ -63,18 +103,23 @@ def ensure_variant(variant: str = "llvm_ad_mono") -> str:
             # CUDA does without LLVM, but this is the only chance to name one for a later switch to it.
             if variant.startswith("llvm"):
                 raise
-    mi = _import_mitsuba()
+    with interruptions_held():  # of which Mitsuba and Dr.Jit, while they are imported, make aborts
+        _activate(_import_mitsuba(), variant)
+    return variant
+
+
+def _activate(mi: Any, variant: str) -> None:
+    """Set the variant, and register the plugins in it."""
     allowed = [name for name in mi.variants() if not name.startswith("scalar")]
     if variant not in allowed:
         raise InputError(f"must be one of {', '.join(allowed)}", key="variant", value=variant)
-    _check_backend(variant)
+    _check_backend(mi, variant)
     if mi.variant() != variant:
         try:
             mi.set_variant(variant)
         except ImportError as error:
             raise backend_error(f"Mitsuba cannot use {variant} ({error})", "gemrender doctor") from error
     importlib.import_module("gemrender.plugins").register()
-    return variant
 
 
 def _import_mitsuba() -> Any:
@@ -102,8 +147,8 @@ def _import_mitsuba() -> Any:
     return mi
 
 
-def _check_backend(variant: str) -> None:
-    """Check that Dr.Jit, by now imported, has a usable back end for the variant."""
+def _check_backend(mi: Any, variant: str) -> None:
+    """Check that Dr.Jit, by now imported, has a usable back end for the variant, or give it one."""
     dr = importlib.import_module("drjit")
     if variant.startswith("cuda"):
         if not dr.has_backend(dr.JitBackend.CUDA):
@@ -113,10 +158,16 @@ def _check_backend(variant: str) -> None:
     version = tuple(dr.detail.llvm_version())  # (-1, -1, -1) where it has none
     if not variant.startswith("llvm") or version >= (LLVM_FLOOR, 0, 0):
         return
-    library = find_llvm()
-    require_loadable(library)
     took = f"LLVM {version[0]}.{version[1]}.{version[2]}" if version[0] > 0 else "no LLVM"
+    library = prepare_llvm()
+    require_loadable(library)
+    why = exchange_llvm(dr, mi)
+    if not why:
+        version = tuple(dr.detail.llvm_version())
+        if version >= (LLVM_FLOOR, 0, 0):
+            return
+        why = "it looks for one only once"
     raise backend_error(
-        f"Dr.Jit was imported with {took} before gemrender could name one, and needs {LLVM_FLOOR} or newer",
-        f"call gemrender before importing mitsuba, or start Python with {LLVM_VARIABLE}={library.path}",
+        f"Dr.Jit was imported with {took}, needs {LLVM_FLOOR} or newer, and cannot change it now: {why}",
+        f"import gemrender before mitsuba and drjit, or start Python with {LLVM_VARIABLE}={library.path}",
     )

@@ -12,6 +12,7 @@ import importlib.metadata
 import os
 import platform
 import re
+import shlex
 import subprocess
 import sys
 from collections.abc import Iterable, Iterator
@@ -21,13 +22,35 @@ from typing import Literal
 
 from gemrender.render.cures import backend_error, cure_for_missing, last_words
 
-__all__ = ["LLVM_FLOOR", "LLVM_VARIABLE", "LlvmLibrary", "find_llvm", "prepare_llvm", "require_loadable"]
+__all__ = [
+    "LLVM_FLOOR",
+    "LLVM_VARIABLE",
+    "LlvmLibrary",
+    "export_line",
+    "find_llvm",
+    "prepare_llvm",
+    "require_loadable",
+]
 
 #: Lowest major version that gemrender runs with.
 LLVM_FLOOR = 17
 #: Environment variable that names the library to Dr.Jit.
 LLVM_VARIABLE = "DRJIT_LIBLLVM_PATH"
 _LLVM_WHEEL = "karellen-llvm-core"
+#: Where LLVM is: Homebrew's on either processor, MacPorts'; Debian's, WSL's, Fedora's and SUSE's, Arch's.
+_MACOS_FOLDERS = (
+    "opt/homebrew/Cellar/llvm*/*/lib",
+    "usr/local/Cellar/llvm*/*/lib",
+    "opt/local/libexec/llvm-*/lib",
+)
+_LINUX_FOLDERS = (
+    "usr/lib/llvm*/lib",
+    "usr/lib/wsl/lib",
+    "usr/lib64",
+    "usr/lib64/llvm*/lib",
+    "usr/local/lib",
+    "usr/lib",
+)
 
 # libLLVM.so, libLLVM-15.so.1, libLLVM-14.0.6.so, libLLVM.so.23.1, libLLVM-19.dylib; not libLLVMX86.so,
 # and not the libLLVM that Rust brings. A lone number behind ".so" is no version of LLVM (libLLVM-15.so.1).
@@ -114,6 +137,26 @@ def require_loadable(library: LlvmLibrary) -> None:
     except OSError as error:
         _, cure = cure_for_missing(str(error)) or ("", _llvm_cure())
         raise backend_error(f"Dr.Jit cannot load LLVM {library.path} ({error})", cure) from error
+
+
+def export_line() -> str:
+    """Return the line for a shell (sh, bash, zsh) that names the LLVM library to what the shell starts.
+
+    After ``eval "$(gemrender doctor --export)"`` the program ``mitsuba`` works, as do others' scripts.
+
+    Returns
+    -------
+    str
+        As in ``export DRJIT_LIBLLVM_PATH=/usr/lib/libLLVM.so.19.1``, quoted where the path needs it.
+
+    Raises
+    ------
+    BackendError
+        As `find_llvm` and `require_loadable`.
+    """
+    library = find_llvm()
+    require_loadable(library)
+    return f"export {LLVM_VARIABLE}={shlex.quote(str(library.path))}"
 
 
 def _llvm_named_by_user(named: str) -> LlvmLibrary:
@@ -219,21 +262,20 @@ def _system_paths() -> Iterator[Path]:
         yield Path(known)
 
 
-def _system_folders() -> Iterator[Path]:
+def _system_folders(root: Path = Path("/")) -> Iterator[Path]:
     """Yield the folders to search: where Dr.Jit looks, and where the distributions put LLVM."""
     system = platform.system()
     variable = {"Windows": "PATH", "Darwin": "DYLD_LIBRARY_PATH"}.get(system, "LD_LIBRARY_PATH")
     yield from (Path(folder) for folder in os.environ.get(variable, "").split(os.pathsep) if folder)
-    yield Path(sys.prefix) / "lib"  # conda
+    yield Path(sys.prefix, "Library", "bin") if system == "Windows" else Path(sys.prefix, "lib")  # conda
     if system == "Windows":
         yield Path(os.environ.get("PROGRAMFILES", "C:\\Program Files")) / "LLVM" / "bin"
     elif system == "Darwin":
-        for pattern in ("opt/homebrew/Cellar/llvm*/*/lib", "usr/local/Cellar/llvm*/*/lib"):
-            yield from Path("/").glob(pattern)
+        for pattern in _MACOS_FOLDERS:
+            yield from root.glob(pattern)
     else:
-        own = f"lib/{platform.machine()}-linux-gnu"
-        for pattern in (own, "lib/llvm*/lib", "lib/wsl/lib", "lib64", "lib64/llvm*/lib", "local/lib", "lib"):
-            yield from Path("/usr").glob(pattern)
+        for pattern in (f"usr/lib/{platform.machine()}-linux-gnu", *_LINUX_FOLDERS):
+            yield from root.glob(pattern)
 
 
 def _llvm_cure() -> str:

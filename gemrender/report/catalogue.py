@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
-from gemrender.optics import load_material, material_names, refractive_index
+from gemrender.optics import material_names
+from gemrender.optics.material_sheet import material_sheet
 from gemrender.render.diagnosis import Check
 from gemrender.report.formats import Column, TextTable
 from gemrender.scene.setup import bundled_setups, load_setup
@@ -20,6 +21,7 @@ __all__ = [
     "material_table",
     "setup_records",
     "setup_table",
+    "sheet_table",
     "stone_records",
     "stone_table",
 ]
@@ -92,26 +94,23 @@ def setup_table() -> TextTable:
     return table
 
 
-def material_records() -> list[dict[str, Any]]:
-    """Return the materials, a record each: index at 589.3 nm, dispersion, density [g/cm3], sources."""
-    records = []
-    for name in material_names():
-        material = load_material(name)
-        records.append(
-            {
-                "name": name,
-                "n_D": refractive_index(name),
-                "dispersion_b_g": material.dispersion_b_g,
-                "density": material.density,
-                "source": material.source,
-                "note": material.note,
-            }
-        )
-    return records
+def material_records(names: Sequence[str] = ()) -> list[dict[str, Any]]:
+    """Return materials, a record each, as `MaterialSheet.to_dict` has it; by default all that are bundled.
+
+    Parameters
+    ----------
+    names : sequence of str, optional
+        Names or files.
+    """
+    sheets = []
+    for name in names or material_names():
+        sheet = material_sheet(name).to_dict()
+        sheets.append(sheet if names else {**sheet, "name": name})
+    return sheets
 
 
 def material_table() -> TextTable:
-    """Return the materials; those that differ in nothing but their colour share a row."""
+    """Return the materials that come with gemrender; those that differ in colour alone share a row."""
     table = TextTable(
         [
             Column("Material", is_text=True),
@@ -121,17 +120,51 @@ def material_table() -> TextTable:
     )
 
     def alike(record: dict[str, Any]) -> list[Any]:
-        return [record[key] for key in ("n_D", "dispersion_b_g", "density", "source", "note")]
+        return [record[key] for key in ("n_D", "dispersion_b_g", "density", "source", "notes")]
 
     for _, group in itertools.groupby(material_records(), key=alike):
         records = list(group)
         first, last = records[0], records[-1]
         called = first["name"] if len(records) == 1 else f"{first['name']} to {last['name']}"
-        words = "; ".join(part for part in (first["source"], first["note"]) if part)
+        words = "; ".join(part for part in (first["source"], *first["notes"]) if part)
         numbers = f"{first['n_D']:.4f}", f"{first['dispersion_b_g']:.4f}", f"{first['density']:.2f}"
         table.rows.append([called, *numbers, words])
     table.note("n at 589.3 nm; B-G: dispersion, the index at 430.8 nm less that at 686.7 nm.")
-    table.note("gemrender materials NAME|FILE tells one in full, with --show as a file to start from.")
+    table.note("gemrender materials NAME|FILE tells one in full; --show NAME prints a file to start from.")
+    return table
+
+
+#: Columns of sheets: heading, key of their record, and how it is shown.
+_SHEET = (
+    ("n G", "n_G", ".5f"),
+    ("n F", "n_F", ".5f"),
+    ("n D", "n_D", ".5f"),
+    ("n C", "n_C", ".5f"),
+    ("n B", "n_B", ".5f"),
+    ("Abbe", "abbe_number", ".2f"),
+    ("B-G", "dispersion_b_g", ".4f"),
+    ("g/cm3", "density", ".2f"),
+)
+
+
+def sheet_table(names: Sequence[str]) -> TextTable:
+    """Return materials in full: indices at Fraunhofer's lines, where they come from, what is continued.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Names or files.
+    """
+    table = TextTable([Column("Material", is_text=True), *(Column(heading) for heading, _, _ in _SHEET)])
+    for record in material_records(names):
+        shown = ("–" if record[key] is None else format(record[key], how) for _, key, how in _SHEET)
+        table.rows.append([record["name"], *shown])
+        low, high = record["range_nm"]
+        index = f"{record['index_from']}, {low:g} to {high:g} nm"
+        table.note(f"{record['name']}: {record['source']} ({index}).", style="")
+        for words in record["notes"]:
+            table.note(f"{record['name']}: {words}.", style="yellow" if "continued" in words else "")
+    table.note("n at G 430.8, F 486.1, D 589.3, C 656.3 and B 686.7 nm; Abbe: (n D - 1)/(n F - n C).")
     return table
 
 

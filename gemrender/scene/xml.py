@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -131,19 +132,31 @@ def _write(
 
 def _heading(what: str, name: str, variant: str) -> str:
     """Return a comment that says what the file is and how to read it."""
-    return _comment(f"""{what}, written by gemrender scene. To read it in Python:
-    from gemrender.render.backend import ensure_variant
-    ensure_variant("{variant}")
-    import mitsuba
-    scene = mitsuba.load_file("{name}.xml")
+    how = "To render it, in Python (the program mitsuba lacks its plugins):"
+    return _comment(f"""{what}, written by gemrender scene. {how}
+    import gemrender
+    mi = gemrender.mitsuba("{variant}")
+    scene = mi.load_file("{_apart(name, '""')}.xml")
+    image = mi.render(scene)
 """)
 
 
 def _stock_heading(what: str, name: str) -> str:
+    # Hyphens that follow one another are no way to write doctor's option: it is there in its short form.
     return _comment(f"""{what}, written by gemrender scene. To render it:
-    mitsuba {name}.xml
+    eval "$(gemrender doctor -e)"
+    mitsuba {_apart(shlex.quote(f"{name}.xml"), "''")}
+The first line tells mitsuba which LLVM to use, in DRJIT_LIBLLVM_PATH; once in a shell is enough.
 """)
 
 
 def _comment(text: str) -> str:
-    return f"<!-- {re.sub('-(?=-)', '- ', text)}-->\n"  # no comment may hold two hyphens together
+    return f"<!-- {_apart(text, ' ')}-->\n"
+
+
+def _apart(text: str, between: str) -> str:
+    """Put something between hyphens that follow one another, which no comment may hold.
+
+    In a name, two quotes do not change what a shell or Python makes of it.
+    """
+    return re.sub("-(?=-)", f"-{between}", text)

@@ -107,8 +107,8 @@ def draw_stone(stone: Stone, tilt_deg: float, jitter: float, seed: int, number: 
             last = error
         else:
             return drawn
-    raise InputError(f"makes no stone in {MOST_ATTEMPTS} draws: {last}", key="jitter" if jitter else "deviation",
-                     value=jitter or tilt_deg) from last  # fmt: skip
+    key, value = ("jitter", jitter) if jitter else ("deviation", tilt_deg)
+    raise InputError(f"makes no stone in {MOST_ATTEMPTS} draws: {last}", key=key, value=value) from last
 
 
 def study_symmetry(

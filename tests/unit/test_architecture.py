@@ -21,6 +21,7 @@ LAYERS: list[dict[str, set[str]]] = [
     {"writing": set(), "reading": set(), "progress": set(), "interruption": set()},
     {"journal": set()},
     {"stone": {"numpy"}, "optics": {"numpy"}},
+    {"templates": set()},
     {"colorimetry": {"numpy", "colour"}},
     {"observation": {"numpy"}},
     {"reference": {"numpy"}},

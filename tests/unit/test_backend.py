@@ -119,14 +119,27 @@ def test_other_mitsuba_is_refused(monkeypatch):
 
 def test_old_llvm_that_drjit_has_loaded_is_refused_before_the_variant_is_set(monkeypatch):
     found = backend.LlvmLibrary(path=Path("libLLVM.so.19.1"), origin="system", version=19)
-    monkeypatch.setattr(backend, "find_llvm", lambda: found)
+    monkeypatch.setattr(backend, "prepare_llvm", lambda: found)
     monkeypatch.setattr(backend, "require_loadable", lambda library: None)
+    monkeypatch.setattr(backend, "exchange_llvm", lambda drjit, mitsuba: "for a reason")
     mitsuba = FakeMitsuba(monkeypatch, llvm=(15, 0, 6))
     with pytest.raises(
-        BackendError, match=r"imported with LLVM 15\.0\.6 .*start Python with DRJIT_LIBLLVM_PATH="
+        BackendError,
+        match=r"imported with LLVM 15\.0\.6, .*: for a reason; .*start Python with DRJIT_LIBLLVM_PATH=lib",
     ):
         backend.ensure_variant()
     assert mitsuba.switches == 0
+
+
+def test_old_llvm_that_drjit_exchanges_is_no_error(monkeypatch):
+    found = backend.LlvmLibrary(path=Path("libLLVM.so.19.1"), origin="system", version=19)
+    monkeypatch.setattr(backend, "prepare_llvm", lambda: found)
+    monkeypatch.setattr(backend, "require_loadable", lambda library: None)
+    versions = iter([(15, 0, 6), (19, 1, 0)])
+    mitsuba = FakeMitsuba(monkeypatch)
+    mitsuba.detail.llvm_version = lambda: next(versions)
+    monkeypatch.setattr(backend, "exchange_llvm", lambda drjit, mitsuba: "")
+    assert backend.ensure_variant() == mitsuba.active == "llvm_ad_mono"
 
 
 def test_cuda_without_a_graphics_processor_is_refused_in_one_line(monkeypatch):

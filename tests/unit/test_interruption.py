@@ -10,7 +10,7 @@ import time
 
 import pytest
 
-from gemrender.interruption import interrupted_by_signals
+from gemrender.interruption import interrupted_by_signals, interruptions_held
 from tests.observations import environment
 
 STATUS = {"SIGTERM": 143, "SIGHUP": 129, "SIGINT": 130}
@@ -54,7 +54,7 @@ def test_outside_the_main_thread_it_does_nothing():
 #: A script that writes half a file, then waits.
 SCRIPT = """
 import pathlib, sys, time
-from gemrender.interruption import interrupted_by_signals
+from gemrender.interruption import interrupted_by_signals, interruptions_held
 from gemrender.writing import write_whole
 
 def half(path):
@@ -83,3 +83,33 @@ def test_a_signal_while_files_are_written_leaves_none(name, status, tmp_path):
         process.kill()
         process.wait()
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_cannot_be_broken_off_is_done_first():
+    done = []
+
+    def work():
+        with interruptions_held():
+            signal.raise_signal(signal.SIGINT)
+            done.append("all of it")
+
+    with pytest.raises(KeyboardInterrupt):
+        work()
+    assert done == ["all of it"]
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_what_is_ignored_is_not_held():
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        with interruptions_held():
+            signal.raise_signal(signal.SIGINT)
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="no SIGHUP here")
+def test_other_signals_are_held_too():
+    with pytest.raises(KeyboardInterrupt), interrupted_by_signals() as status, interruptions_held():
+        signal.raise_signal(signal.SIGHUP)
+    assert status() == 129

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import shutil
+import subprocess
 import sys
 from pathlib import Path
 
@@ -10,6 +12,9 @@ import pytest
 
 from gemrender.errors import BackendError
 from gemrender.render import llvm
+
+#: As it is, before a test puts another in its place.
+system_folders = llvm._system_folders
 
 
 @pytest.fixture(autouse=True)
@@ -176,3 +181,67 @@ def test_library_that_misses_another_is_told_with_the_package(monkeypatch):
     monkeypatch.setattr(llvm, "_asked_version", fail)
     with pytest.raises(BackendError, match=r"cannot load LLVM .*; to cure it: apt-get install zlib1g$"):
         llvm.require_loadable(llvm.LlvmLibrary(path=Path("libLLVM.so"), origin="wheel", version=23))
+
+
+@pytest.mark.parametrize(
+    ("system", "folder"),
+    [
+        ("Linux", "usr/lib/x86_64-linux-gnu"),  # Debian
+        ("Linux", "usr/lib/llvm-19/lib"),  # apt.llvm.org
+        ("Linux", "usr/lib64/llvm19/lib"),  # Fedora, beside its default in lib64
+        ("Linux", "usr/lib"),  # Arch
+        ("Darwin", "opt/homebrew/Cellar/llvm/19.1.7/lib"),
+        ("Darwin", "usr/local/Cellar/llvm@18/18.1.8/lib"),
+        ("Darwin", "opt/local/libexec/llvm-19/lib"),  # MacPorts
+    ],
+)
+def test_distributions_folders_are_searched(monkeypatch, tmp_path, system, folder):
+    monkeypatch.setattr(llvm.platform, "system", lambda: system)
+    (tmp_path / folder).mkdir(parents=True)
+    assert tmp_path / folder in system_folders(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("system", "folder"), [("Linux", "lib"), ("Darwin", "lib"), ("Windows", "Library/bin")]
+)
+def test_condas_folder_is_searched(monkeypatch, tmp_path, system, folder):
+    monkeypatch.setattr(llvm.platform, "system", lambda: system)
+    monkeypatch.setattr(sys, "prefix", str(tmp_path))
+    assert tmp_path / folder in system_folders(tmp_path)
+
+
+# ---- The line for a shell ------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def loadable(monkeypatch):
+    """Every library can be loaded."""
+    monkeypatch.setattr(llvm, "_asked_version", lambda name: 23)
+
+
+def test_the_exported_line_names_the_library(loadable, tmp_path):
+    named = library(tmp_path, "libLLVM.so.23.1")
+    assert llvm.export_line() == f"export DRJIT_LIBLLVM_PATH={named}"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a shell")
+@pytest.mark.parametrize("shell", [shell for shell in ("sh", "bash", "zsh") if shutil.which(shell)])
+def test_the_exported_line_is_quoted_for_the_shell(loadable, monkeypatch, tmp_path, shell):
+    named = library(tmp_path / 'it\'s $HOME, "is" it\\?', "libLLVM.so.23.1")
+    monkeypatch.setenv("DRJIT_LIBLLVM_PATH", str(named))
+    script = f'eval "$0"; {sys.executable} -c "import os; print(os.environ[\'DRJIT_LIBLLVM_PATH\'])"'
+    done = subprocess.run(
+        [shell, "-c", script, llvm.export_line()], capture_output=True, text=True, check=True
+    )
+    assert done.stdout == f"{named}\n"
+
+
+def test_no_line_is_exported_for_a_library_that_cannot_be_loaded(monkeypatch, tmp_path):
+    library(tmp_path, "libLLVM.so.23.1")
+
+    def fail(name):
+        raise OSError("libz3.so.4: cannot open shared object file: No such file or directory")
+
+    monkeypatch.setattr(llvm, "_asked_version", fail)
+    with pytest.raises(BackendError, match=r"cannot load LLVM .*; to cure it: install .* libz3\.so\.4$"):
+        llvm.export_line()

@@ -1,0 +1,81 @@
+"""A material as the text of a file, to start from: what `gemrender materials --show` prints."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator
+
+from gemrender.optics.dispersion import FORMULAE, Formula
+from gemrender.optics.material import Material
+from gemrender.optics.material_files import load_material
+
+__all__ = ["material_template"]
+
+#: Numbers in a line; with all their digits they stay below 110 characters.
+_IN_A_LINE = 5
+
+
+def material_template(material: Material | str) -> str:
+    """Return a material file (TOML) that loads to the same index and absorption, to the last bit.
+
+    Parameters
+    ----------
+    material : Material or str
+        A material, or the name of one that comes with gemrender.
+
+    Returns
+    -------
+    str
+        The text, with a line end at its end.
+
+    Raises
+    ------
+    InputError
+        No such name.
+    """
+    made = material if isinstance(material, Material) else load_material(material)
+    return "\n".join(_lines(made)) + "\n"
+
+
+def _lines(material: Material) -> Iterator[str]:
+    yield "# A material: change it, then use it as in: gemrender render STONE --material FILE"
+    yield f"name = {_text(material.name)}"
+    if material.density is not None:
+        yield f"density = {material.density!r}  # g/cm^3"
+    for key in ("source", "note"):
+        if text := getattr(material, key):
+            yield f"{key} = {_text(text)}"
+    yield ""
+    yield "[index]  # relative to air; wavelengths L in micrometres in a formula, in nanometres elsewhere"
+    if isinstance(material.dispersion, Formula):
+        for name, words in FORMULAE.items():
+            yield f"# {name}: {words}"
+        yield f"formula = {_text(material.dispersion.formula)}"
+        parts = [list(c) if isinstance(c, tuple) else c for c in material.dispersion.coefficients]
+        yield f"coefficients = {parts!r}"
+        yield f"range_nm = {list(material.range_nm)!r}"
+        yield "# or instead of these three: wavelength_nm = [...] and n = [...], linear between the rows"
+    else:
+        yield from _list("wavelength_nm", material.dispersion.wavelength_nm)
+        yield from _list("n", material.dispersion.values)
+    yield ""
+    if material.absorption is None:
+        yield "# [absorption]  # coefficient to the base e [1/mm]; without it the material is colourless"
+        yield "# wavelength_nm = [380, 500, 760]"
+        yield "# per_mm = [0.3, 0.1, 0.0]"
+        return
+    yield "[absorption]  # coefficient to the base e [1/mm]"
+    yield from _list("wavelength_nm", material.absorption.wavelength_nm)
+    yield from _list("per_mm", material.absorption.values)
+
+
+def _text(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False)  # for a printable text, TOML's basic string is JSON's
+
+
+def _list(key: str, values: Iterable[float]) -> Iterator[str]:
+    numbers = [repr(value) for value in values]
+    yield f"{key} = ["
+    for i in range(0, len(numbers), _IN_A_LINE):
+        yield f"  {', '.join(numbers[i : i + _IN_A_LINE])},"
+    yield "]"
