@@ -12,7 +12,7 @@ from pathlib import Path
 
 from gemrender.errors import InputError
 
-__all__ = ["TEMPORARY_PREFIX", "write_whole"]
+__all__ = ["TEMPORARY_PREFIX", "check_place", "write_whole"]
 
 #: What the names of temporary folders begin with; only a process that is killed leaves one.
 TEMPORARY_PREFIX = ".gemrender-"
@@ -70,6 +70,28 @@ def write_whole(folder: Path, writers: Mapping[str, Callable[[Path], object]]) -
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError(f"cannot be written: {reason}", source=str(where)) from error
     return [folder / name for name in writers]
+
+
+def check_place(path: Path) -> None:
+    """See that a file can be written there, before any work is done for it; nothing is left.
+
+    Parameters
+    ----------
+    path : Path
+        The file, there or not, in a folder that is there.
+
+    Raises
+    ------
+    InputError
+        As `write_whole` would at the end: no such folder, one that cannot be written, or what no file can
+        replace.
+    """
+    try:
+        with tempfile.TemporaryFile(dir=_target(path).parent, prefix=TEMPORARY_PREFIX):
+            pass
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"cannot be written: {reason}", source=str(path)) from error
 
 
 @dataclass(slots=True)

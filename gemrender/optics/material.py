@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from gemrender.errors import InputError
+from gemrender.mistakes import Mistakes
 from gemrender.optics.abbe import (
     ABBE_LINES_NM,
     FRAUNHOFER_B_NM,
@@ -91,8 +92,13 @@ class Material:
     def __post_init__(self) -> None:
         object.__setattr__(self, "range_nm", checked_range(self.range_nm))
         object.__setattr__(self, "density", checked_density(self.density))
-        self._check_index()
-        refuse_other_form(self.dispersion)
+        with Mistakes() as mistakes:
+            mistakes.of(self._check_index)
+            if not mistakes.errors:
+                mistakes.of(refuse_other_form, self.dispersion)
+            mistakes.of(self._check_absorption)
+
+    def _check_absorption(self) -> None:
         if self.absorption is not None:
             for i, value in enumerate(self.absorption.values):
                 if not 0 <= value <= MOST_ABSORPTION:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from gemrender.errors import InputError
+from gemrender.mistakes import Mistakes
 
 __all__ = ["WAVELENGTHS_NM", "Table", "finite", "is_list", "numbers_of"]
 
@@ -42,6 +43,9 @@ class Table:
     key: str = "values"
 
     def __post_init__(self) -> None:
+        with Mistakes() as mistakes:
+            mistakes.of(numbers_of, self.wavelength_nm, "wavelength_nm")
+            mistakes.of(numbers_of, self.values, self.key)
         wavelengths = numbers_of(self.wavelength_nm, "wavelength_nm")
         values = numbers_of(self.values, self.key)
         if len(wavelengths) < 2:

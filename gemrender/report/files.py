@@ -48,7 +48,7 @@ def prepare_folder(folder: str | os.PathLike[str]) -> Path:
         raise refused("its name is not valid Unicode") from error
     path = Path(name)
     try:
-        path.mkdir(parents=True, exist_ok=True)
+        Path(os.path.realpath(path)).mkdir(parents=True, exist_ok=True)  # a link's folder need not be there
         with tempfile.TemporaryFile(dir=path):
             pass
     except FileExistsError as error:

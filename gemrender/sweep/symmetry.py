@@ -20,7 +20,7 @@ from gemrender.engines import DEFAULT_ENGINE, DEFAULT_VARIANT, engine_for, requi
 from gemrender.errors import InputError
 from gemrender.journal import Journal
 from gemrender.stone import Stone, tessellate
-from gemrender.sweep.workers import in_processes
+from gemrender.sweep.workers import LostProcessError, in_processes
 
 __all__ = ["MOST_DRAWS", "SymmetryStudy", "check_study", "draw_stone", "study_symmetry"]
 
@@ -149,7 +149,7 @@ def study_symmetry(
     ------
     InputError
         A value out of range, or a journal that is of another study or in use.
-    GemrenderError
+    LostProcessError
         Processes were lost again and again, as where memory runs out; what is in the journal is kept.
     """
     check_study([stone], tilt_deg=tilt_deg, jitter=jitter, draws=draws, seed=seed)
@@ -172,12 +172,16 @@ def study_symmetry(
         known = {number: scores for number, scores in known.items() if number < draws}
         missing = [number for number in range(-1, draws) if number not in known]  # -1: the stone itself
         work = partial(_score_batch, stone, tilt_deg, jitter, seed, options)
-        for number, scores in stack.enter_context(contextlib.closing(_scores(work, missing, processes))):
-            known[number] = scores
-            if kept is not None:
-                kept.add(number, *scores)
-            if progress is not None:
-                progress(len(known) / (draws + 1))
+        try:
+            for number, scores in stack.enter_context(contextlib.closing(_scores(work, missing, processes))):
+                known[number] = scores
+                if kept is not None:
+                    kept.add(number, *scores)
+                if progress is not None:
+                    progress(len(known) / (draws + 1))
+        except LostProcessError as error:
+            done = "" if kept is None else f"; what is done is kept in {journal}"
+            raise LostProcessError(f"{error}{done}") from error
     return SymmetryStudy(
         name=stone.name,
         tilt_deg=0.0 if jitter else tilt_deg,

@@ -20,7 +20,7 @@ from typing import Any, TypeVar
 
 from gemrender.errors import GemrenderError
 
-__all__ = ["MOST_TRIES", "in_processes"]
+__all__ = ["MOST_TRIES", "LostProcessError", "in_processes"]
 
 Batch = TypeVar("Batch")
 Result = TypeVar("Result")
@@ -31,6 +31,10 @@ MOST_TRIES = 3
 _TERMINAL_SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGHUP") if hasattr(signal, name))
 
 _log = logging.getLogger("gemrender")
+
+
+class LostProcessError(GemrenderError):
+    """Processes were lost at the same work again and again."""
 
 
 def in_processes(
@@ -62,8 +66,10 @@ def in_processes(
 
     Raises
     ------
+    LostProcessError
+        A batch has lost `MOST_TRIES` processes.
     GemrenderError
-        A batch has lost `MOST_TRIES` processes, or a process could not start.
+        A process could not start.
     Exception
         Whatever the function raises.
     """
@@ -152,9 +158,7 @@ def _lost(worker: _Worker, left: int) -> None:
     how = f"was ended by signal {-status}" if status < 0 else f"ended with exit status {status}"
     cause = "; perhaps memory ran out" if -status == 9 else ""
     if worker.tried == MOST_TRIES:
-        raise GemrenderError(
-            f"a process {how}{cause}; this was attempt {MOST_TRIES} at the same work. What is done is kept"
-        )
+        raise LostProcessError(f"a process {how}{cause}; this was attempt {MOST_TRIES} at the same work")
     _log.warning("a process %s%s; its work is done again, by %d at a time", how, cause, max(left, 1))
 
 

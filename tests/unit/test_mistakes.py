@@ -125,7 +125,7 @@ index = 0
 
 
 def test_stone_files():
-    keys = "name, proportions, angles, vertices, material"
+    keys = "name, proportions, angles, report, vertices, material"
     assert refusal(load_stone, _STONE) == (
         f"nam = 'x': unknown key; must be one of {keys}; did you mean name?; "
         "material.index = 0: must be a finite number above 1; "
@@ -219,6 +219,17 @@ per_mm = [0.1]
         "index.formula = 'magic': must be one of sellmeier, sellmeier-2, pole, cauchy; "
         "index.range_nm = [700.0, 400.0]: must be two wavelengths from 100 to 100000 nm, the lower one first"
     )
+
+
+def test_both_columns_of_a_table_are_checked_and_both_tables_of_a_material():
+    text = "[index]\nwavelength_nm = [380, nan]\nn = [1.5, '2']\n"
+    assert refusal(load_material, text) == (
+        "index.wavelength_nm[1] = nan: must be a finite number; index.n[1] = '2': must be a finite number"
+    )
+    text = "[index]\nwavelength_nm = [380, 760]\nn = [9, 9]\n[absorption]\nwavelength_nm = [380, 760]\n"
+    line = refusal(load_material, f"{text}per_mm = [0, -1]\n")
+    assert line.startswith("index at 380 nm = 9.0: must be from 1.05 to 4")
+    assert line.endswith("; absorption.per_mm[1] = -1.0: must be at least 0 [1/mm]")
 
 
 def test_objects_made_by_hand_tell_all_too():

@@ -280,6 +280,12 @@ def test_a_folder_in_the_place_of_a_file_is_told(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["stone.exr"]
 
 
+def test_a_link_to_a_folder_that_is_not_there_has_it_made(tmp_path):
+    (tmp_path / "link").symlink_to(tmp_path / "far" / "away")
+    assert prepare_folder(tmp_path / "link") == tmp_path / "link"
+    assert (tmp_path / "far" / "away").is_dir()
+
+
 def test_a_folder_is_made_with_its_parents(tmp_path):
     folder = prepare_folder(tmp_path / "a" / "ü 石")
     assert folder.is_dir()

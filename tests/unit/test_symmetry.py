@@ -12,6 +12,7 @@ from gemrender.report.symmetry import study_table, write_symmetry_figure
 from gemrender.stone import Stone, load_stone
 from gemrender.sweep import SymmetryStudy, study_symmetry
 from gemrender.sweep.symmetry import _entry, draw_stone
+from gemrender.sweep.workers import LostProcessError
 from tests.observations import run_gemrender, run_python
 
 STONE = load_stone("inoue-2")
@@ -77,7 +78,7 @@ def test_a_line_that_is_no_draws_is_drawn_again(tmp_path, caplog):
     assert "a line that is no entry is left out" in caplog.text
 
 
-#: A study of which one process, or all, are killed after some draws.
+#: A study of which all processes, or those that share its work, are killed after some draws.
 SCRIPT = """
 import multiprocessing, os, pathlib, signal, sys
 from gemrender.errors import GemrenderError
@@ -91,8 +92,8 @@ def progress(share):
     done += 1
     if what == "all" and done == 5:
         os.kill(os.getpid(), signal.SIGKILL)
-    if what == "one" and done == 2:
-        for process in multiprocessing.active_children()[:1]:
+    if what == "workers" and done == 1:  # of which one has just been given more to do
+        for process in multiprocessing.active_children():
             os.kill(process.pid, signal.SIGKILL)
 
 if __name__ == "__main__":
@@ -104,15 +105,31 @@ if __name__ == "__main__":
 """
 
 
-@pytest.mark.parametrize(("what", "status"), [("all", -9), ("one", 0)])
+@pytest.mark.parametrize(("what", "status"), [("all", -9), ("workers", 0)])
 def test_a_study_survives_what_is_killed(what, status, tmp_path):
     journal = tmp_path / "study.jsonl"
     done = run_python("-c", SCRIPT, what, str(journal))
     assert (done.returncode, done.stdout, "Traceback" in done.stderr) == (status, "", False)
-    assert done.stderr.count("its work is done again") == (what == "one")
+    assert ("its work is done again" in done.stderr) == (what == "workers")
     study = {**TINY, "draws": 9}
     assert len(journal.read_text().splitlines()) >= 6
     assert study_symmetry(STONE, **study, journal=journal) == study_symmetry(STONE, **study)
+
+
+def test_where_processes_are_lost_it_says_what_is_kept(tmp_path, monkeypatch):
+    def lost(*_):
+        yield [(-1, (50.0, 20.0))]
+        raise LostProcessError("a process was ended")
+
+    monkeypatch.setattr("gemrender.sweep.symmetry.in_processes", lost)
+    study, journal = {**TINY, "processes": 2}, tmp_path / "study.jsonl"
+    with pytest.raises(LostProcessError, match=r"^a process was ended$"):
+        study_symmetry(STONE, **study)
+    with pytest.raises(
+        LostProcessError, match=r"^a process was ended; what is done is kept in .*study\.jsonl$"
+    ):
+        study_symmetry(STONE, **study, journal=journal)
+    assert journal.read_text().endswith("\n[-1, 50.0, 20.0]\n")
 
 
 def test_the_journal_of_another_study_is_refused_and_left(tmp_path):

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from gemrender.errors import InputError
-from gemrender.writing import write_whole
+from gemrender.writing import check_place, write_whole
 
 NEW = {name: (lambda path, name=name: path.write_text(f"new {name}")) for name in ("a", "b", "c")}
 
@@ -145,3 +145,29 @@ def test_what_no_file_can_replace_is_refused_and_left(folder):
 def test_a_folder_that_is_not_there_is_told(folder):
     assert refusal(NEW, "none") == "none: cannot be written: No such file or directory"
     assert refusal(NEW, "no\0ne").endswith("cannot be written: embedded null byte")
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("folder", "Is a directory"),
+        ("pipe", "is no file, but a pipe, a socket or a device"),
+        ("loop", "a link that leads to itself"),
+        ("none/x", "No such file or directory"),
+        ("a\0b", "embedded null byte"),
+        ("protected", "Permission denied"),
+    ],
+)
+def test_a_place_is_checked_before_any_work(name, said, folder, monkeypatch):
+    Path("folder").mkdir()
+    os.mkfifo("pipe")
+    Path("loop").symlink_to("loop")
+    Path("protected").write_text("old")
+    real = os.access  # root may write what it likes
+    monkeypatch.setattr(os, "access", lambda path, mode: Path(path).name != "protected" and real(path, mode))
+    before = set(Path().iterdir())
+    with pytest.raises(InputError) as caught:
+        check_place(Path(name))
+    assert str(caught.value).endswith(f": cannot be written: {said}")
+    check_place(Path("new"))
+    assert set(Path().iterdir()) == before
