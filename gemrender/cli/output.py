@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
 import time
@@ -162,7 +163,8 @@ def print_records(
 def say(message: str) -> None:
     """Tell people something, on stderr."""
     if sys.stderr is not None:  # closed; print would turn to stdout
-        print(message, file=sys.stderr)
+        with contextlib.suppress(OSError):  # a terminal that is gone
+            print(message, file=sys.stderr)
 
 
 def renamed(old: str, old_value: Any, new: str, new_value: Any, default: Any) -> tuple[Any, list[str]]:

@@ -133,6 +133,7 @@ def render(
     from gemrender.render.quality import Quality, ends_of
     from gemrender.report.files import file_stems, prepare_folder
     from gemrender.scene.setup import load_setup
+    from gemrender.writing import check_place
 
     default = file_stems(stones)[0] + (".mp4" if frames else ".png")
     path = Path(output_file(out, default))
@@ -161,6 +162,7 @@ def render(
     if denoise:
         require_denoiser()
     prepare_folder(path.parent)
+    check_place(path)
     shown: dict[str, Any] = {"ev": exposure, "curve": curve, "denoise": denoise}
     if frames is not None:
         check_film(path, width, height, frames, fps)
