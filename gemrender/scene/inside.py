@@ -293,7 +293,7 @@ def _cuts(edges: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 def _between_cuts(edges: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     """Return the middles of the pieces that triangles cut edges into, (k, 3)."""
-    if not len(triangles):
+    if not len(edges) or not len(triangles):
         return np.zeros((0, 3))
     edge, _, t = _cuts(edges, triangles)
     n = np.arange(len(edges))
@@ -307,7 +307,7 @@ def _between_cuts(edges: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 
 def _middles_of_cuts(edges: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     """Return the middle of all places where edges go through each triangle, (k, 3)."""
-    if not len(edges):
+    if not len(edges) or not len(triangles):
         return np.zeros((0, 3))
     edge, triangle, t = _cuts(edges, triangles)
     if not len(edge):
