@@ -12,9 +12,10 @@ import numpy as np
 
 from gemrender.errors import GemrenderWarning, InputError
 from gemrender.scene.inside import overlap, reaches_into
+from gemrender.scene.mesh import FACET_ATTRIBUTE, NORMAL_ATTRIBUTES, OFFSET_ATTRIBUTES
 from gemrender.scene.shapes import StoneShape, name_of, surface_points
 
-__all__ = ["SceneCheck", "is_stone"]
+__all__ = ["SceneCheck", "is_stone", "require_facets"]
 
 #: How far a stone, a light or a camera may reach into a stone: rounding, of what touches [share of its size].
 _TOUCHING = 1e-5
@@ -78,6 +79,26 @@ class SceneCheck:
         self._cameras.append(state)
 
 
+def require_facets(scene: mi.Scene) -> None:
+    """Check that the stones of a scene have facets and planes, as `gem_primary` needs them.
+
+    Raises
+    ------
+    InputError
+        A shape with a dielectric surface has none, or no shape has.
+    """
+    names = (FACET_ATTRIBUTE, *NORMAL_ATTRIBUTES, *OFFSET_ATTRIBUTES)
+    shapes = [shape for shape in scene.shapes() if not shape.is_emitter()]
+    lacking = [s for s in shapes if not s.is_mesh() or not all(np.all(s.has_attribute(n)) for n in names)]
+    stones = [s for s in lacking if mi.has_flag(s.bsdf().flags(), mi.BSDFFlags.DeltaTransmission)]
+    if stones or (lacking and len(lacking) == len(shapes)):
+        raise InputError(
+            "must be a mesh with facets and their planes, as gemrender scene writes it",
+            key="stone",
+            value=name_of((stones or lacking)[0]),
+        )
+
+
 # ---- What is compared ----------------------------------------------------------------------------------
 
 
@@ -91,7 +112,7 @@ def _state(shape: mi.Shape) -> list[Any]:
 
 
 def _state_of_light(emitter: mi.Emitter) -> list[Any]:
-    return [emitter.ptr, str(emitter.bbox())]
+    return [emitter.ptr, str(emitter.bbox()), str(emitter.world_transform().matrix)]
 
 
 def _same(one: list[Any], other: list[Any]) -> bool:
@@ -121,9 +142,7 @@ def _check(scene: mi.Scene, shapes: list[mi.Shape]) -> list[StoneShape]:
         return stones
     for k, stone in enumerate(stones):
         for other in stones[:k]:
-            near = (np.minimum(stone.high, other.high) > np.maximum(stone.low, other.low)).all()
-            depth = _TOUCHING * min(stone.size, other.size)
-            if near and overlap(stone.inside, other.inside, depth):
+            if _overlap(stone, other):
                 raise InputError("must not overlap", key="stones", value=f"{stone.name} in {other.name}")
     _check_lights(scene, shapes, stones)
     for stone in stones:
@@ -149,15 +168,14 @@ def _check_lights(scene: mi.Scene, shapes: list[mi.Shape], stones: list[StoneSha
     on_shape = {shape.emitter().ptr: shape for shape in shapes if shape.is_emitter()}
     for emitter in scene.emitters():
         shape = on_shape.get(emitter.ptr)
-        name = emitter.id() or (name_of(shape) if shape is not None else emitter.class_name())
+        name = name_of(shape) if shape is not None else emitter.id() or emitter.class_name()
         flags = emitter.flags()
         if mi.has_flag(flags, mi.EmitterFlags.DeltaPosition | mi.EmitterFlags.DeltaDirection):
             unseen.append(name)
         if shape is not None:
             places = surface_points(shape)
         elif mi.has_flag(flags, mi.EmitterFlags.DeltaPosition):
-            place = np.array(emitter.world_transform().translation(), dtype=np.float64).reshape(3)
-            places = np.tile(place, (1, 3, 1))
+            places = np.tile(_place(emitter), (1, 3, 1))
         else:
             continue
         for stone in stones:
@@ -168,6 +186,13 @@ def _check_lights(scene: mi.Scene, shapes: list[mi.Shape], stones: list[StoneSha
             f"{', '.join(unseen)}: point and directional lights light plain surfaces, but are not seen in or "
             "through stones; give them a size"
         )
+
+
+def _place(emitter: mi.Emitter) -> np.ndarray:
+    """Return where a light without a size is, (3,)."""
+    box = emitter.bbox()  # of a point light; a projector has none, of which the transform is the place
+    place = box.min if box.valid() else emitter.world_transform().translation()
+    return np.array(place, dtype=np.float64).reshape(3)
 
 
 def _check_others(shapes: list[mi.Shape], stones: list[StoneShape]) -> None:
@@ -189,7 +214,15 @@ def _reaches(places: np.ndarray | None, stone: StoneShape, share: float) -> bool
         return False
     if (places.max(axis=(0, 1)) < stone.low).any():
         return False
-    return reaches_into(places, stone.inside, share * stone.size)
+    return any(reaches_into(places, inside, share * stone.size) for inside in stone.insides)
+
+
+def _overlap(one: StoneShape, other: StoneShape) -> bool:
+    """Return whether two stones have space in common, by more than what touches has."""
+    if not (np.minimum(one.high, other.high) > np.maximum(one.low, other.low)).all():
+        return False
+    depth = _TOUCHING * min(one.size, other.size)
+    return any(overlap(a, b, depth) for a in one.insides for b in other.insides)
 
 
 def _starts(sensor: mi.Sensor) -> np.ndarray:

@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 
 from gemrender.errors import InputError
-from gemrender.scene.inside import winding_number
+from gemrender.scene.nesting import nested
 
 __all__ = ["ClosedSurface", "closed_surface"]
 
@@ -21,13 +21,15 @@ __all__ = ["ClosedSurface", "closed_surface"]
 _SAME_PLACE = 1e-5
 #: A part encloses no volume if it has less [share of the cube of its size]: a sheet with two sides.
 _NO_VOLUME = 1e-9
+#: How deep parts may reach into each other: rounding, of parts that touch [share of the mesh's size].
+_TOUCHING = 1e-5
 #: Open edges that are looked at for vertices on them; a mesh with more of them is open.
 _MOST_SEAMS = 4000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ClosedSurface:
-    """The surface of a solid.
+    """The surface of a solid, or of several.
 
     Attributes
     ----------
@@ -36,20 +38,20 @@ class ClosedSurface:
     outward : (f,) int8
         Of each face of the mesh: 1 where it is wound so, -1 where it is wound the other way, 0 where it has
         no area.
-    part : (n,) int64
-        Number of the connected part that each triangle belongs to.
+    body : (n,) int64
+        Number of the body that each triangle bounds: a connected part, with the hollows in it.
     """
 
     triangles: np.ndarray
     outward: np.ndarray
-    part: np.ndarray
+    body: np.ndarray
 
 
 def closed_surface(positions: np.ndarray, faces: np.ndarray) -> ClosedSurface:
     """Find the solid that a mesh is the surface of.
 
-    The faces of a part are turned to agree with each other, then outwards: a part inside another one is a
-    hollow, and its faces look into the hollow.
+    The faces of a part are turned to agree with each other, then outwards. A part inside another one is a
+    hollow if it is wound the other way.
 
     Parameters
     ----------
@@ -61,7 +63,7 @@ def closed_surface(positions: np.ndarray, faces: np.ndarray) -> ClosedSurface:
     Raises
     ------
     InputError
-        There is none: the surface is open or one-sided, encloses nothing, or has faces twice.
+        There is none: the surface is open, one-sided, encloses nothing, has faces twice, or overlaps itself.
     """
     faces = np.asarray(faces, dtype=np.int64).reshape(-1, 3)
     positions = np.asarray(positions, dtype=np.float64).reshape(-1, 3)
@@ -73,26 +75,25 @@ def closed_surface(positions: np.ndarray, faces: np.ndarray) -> ClosedSurface:
         raise InputError("must have vertices that are finite numbers")
     size = float(np.ptp(positions[np.unique(faces)], axis=0).max())
     vertex, edges = _joined(positions, faces, _SAME_PLACE * size)
-    triangles = vertex[faces]
-    kept = _three_corners(triangles)
-    _refuse_doubles(triangles[kept])
-    sign, part = _agreeing(len(faces), edges)
-    corners = positions[faces]
-    volume = np.einsum("ij,ij->i", corners[:, 0] - corners[0, 0], _cross(corners - corners[0, 0])) / 6
-    numbers = np.unique(part[kept], return_inverse=True)[1]
-    n_parts = int(numbers.max()) + 1
-    volumes = np.bincount(numbers, weights=(sign * volume)[kept], minlength=n_parts)
-    flat = np.abs(volumes) <= _NO_VOLUME * _sizes(corners[kept], numbers, n_parts) ** 3
-    if flat.any():
+    kept = _three_corners(vertex[faces])
+    edges, block = _apart(len(faces), edges)
+    _refuse_doubles(np.column_stack([np.sort(vertex[faces], axis=1), block])[kept])
+    sign, label = _agreeing(len(faces), edges)
+    corners = positions[faces][kept]
+    part = np.unique(label[kept], return_inverse=True)[1].ravel()
+    to = corners - corners[0, 0]
+    volume = np.bincount(part, weights=sign[kept] * np.einsum("ij,ij->i", to[:, 0], _cross(to)) / 6)
+    if (np.abs(volume) <= _NO_VOLUME * _sizes(corners, part) ** 3).any():
         raise InputError("must enclose a volume")
     outward = np.zeros(len(faces), dtype=np.int8)
-    outward[kept] = sign[kept] * np.sign(volumes)[numbers]
-    if n_parts > 1:
-        hollow = _nested(_turned(corners[kept], outward[kept]), numbers, n_parts) % 2 == 1
-        outward[kept] *= np.where(hollow[numbers], -1, 1).astype(np.int8)
+    outward[kept] = sign[kept] * np.sign(volume)[part]
     _refuse_unbalanced(edges, outward)
+    bodies = [_turned(corners[part == k], outward[kept][part == k]) for k in range(len(volume))]
+    as_wound = np.sign(np.bincount(part, weights=outward[kept]) + 0.5)
+    hollow, body = nested(bodies, as_wound, _TOUCHING * size)
+    outward[kept] *= np.where(hollow[part], -1, 1).astype(np.int8)
     return ClosedSurface(
-        triangles=_turned(corners[kept], outward[kept]), outward=outward, part=numbers.astype(np.int64)
+        triangles=_turned(corners, outward[kept]), outward=outward, body=body[part].astype(np.int64)
     )
 
 
@@ -193,8 +194,31 @@ def _split(edges: np.ndarray, odd: np.ndarray, places: np.ndarray, tolerance: fl
     return np.concatenate(new)
 
 
+def _apart(n_faces: int, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Keep surfaces apart that follow each other in the mesh, as when Mitsuba makes one mesh of several.
+
+    Where they touch, their vertices and edges are in the same places. The sum modulo 2 of the edges of all
+    faces so far is none exactly where a closed surface ends; edges stand in it as random numbers.
+
+    Returns
+    -------
+    (edges, block)
+        The edges (e, 3) with vertices of each surface's own, and the number of each face's surface, (f,).
+    """
+    keys = np.unique(_keys(edges), return_inverse=True)[1].ravel()
+    words = np.random.default_rng(0).integers(1, 1 << 62, size=int(keys.max()) + 1)[keys]
+    of_face = np.zeros(n_faces, dtype=np.int64)
+    np.bitwise_xor.at(of_face, edges[:, 2], words)
+    ends = np.bitwise_xor.accumulate(of_face) == 0
+    block = np.cumsum(ends) - ends
+    n_vertices = int(edges[:, :2].max()) + 1
+    own = edges[:, :2] + n_vertices * block[edges[:, 2], None]
+    number = np.unique(own, return_inverse=True)[1].reshape(-1, 2)
+    return np.column_stack([number, edges[:, 2]]), block
+
+
 def _refuse_doubles(triangles: np.ndarray) -> None:
-    count = np.bincount(_row_numbers(np.sort(triangles, axis=1)))
+    count = np.bincount(_row_numbers(triangles))
     if (count > 1).any():
         raise InputError(f"must have each face once; {int((count > 1).sum())} of them are there again")
 
@@ -250,25 +274,9 @@ def _refuse_unbalanced(edges: np.ndarray, sign: np.ndarray) -> None:
         raise InputError("must have an inside and an outside; some edges join faces that disagree")
 
 
-def _nested(triangles: np.ndarray, part: np.ndarray, n_parts: int) -> np.ndarray:
-    """Return how many other parts each part is inside of, (n_parts,); each part's faces look outwards."""
-    low, high = np.full((n_parts, 3), np.inf), np.full((n_parts, 3), -np.inf)
-    np.minimum.at(low, part, triangles.min(axis=1))
-    np.maximum.at(high, part, triangles.max(axis=1))
-    depth = np.zeros(n_parts, dtype=np.int64)
-    middles = triangles.mean(axis=1)
-    first = np.unique(part, return_index=True)[1]
-    for k in range(n_parts):
-        within = (low[k] <= low).all(axis=1) & (high <= high[k]).all(axis=1)
-        within[k] = False
-        others = np.flatnonzero(within)
-        if len(others):
-            depth[others] += winding_number(middles[first[others]], triangles[part == k]) > 0.5
-    return depth
-
-
-def _sizes(corners: np.ndarray, part: np.ndarray, n_parts: int) -> np.ndarray:
-    """Return the longest extent of each part, (n_parts,)."""
+def _sizes(corners: np.ndarray, part: np.ndarray) -> np.ndarray:
+    """Return the longest extent of each part of triangles (n, 3, 3)."""
+    n_parts = int(part.max()) + 1
     low, high = np.full((n_parts, 3), np.inf), np.full((n_parts, 3), -np.inf)
     np.minimum.at(low, part, corners.min(axis=1))
     np.maximum.at(high, part, corners.max(axis=1))

@@ -9,7 +9,7 @@ import numpy as np
 
 from gemrender.scene.convex import ConvexSolid
 
-__all__ = ["Ball", "Inside", "distinct_rows", "overlap", "reaches_into", "winding_number"]
+__all__ = ["Ball", "Inside", "crosses", "distinct_rows", "overlap", "reaches_into", "winding_number"]
 
 #: Pairs of points and triangles that are looked at together: some 100 MiB.
 _PAIRS = 1 << 20
@@ -168,6 +168,18 @@ def reaches_into(triangles: np.ndarray, solid: Inside, depth: float) -> bool:
     )
 
 
+def crosses(a: Inside, b: Inside) -> bool:
+    """Return whether edges of one surface go through the other."""
+    return any(
+        len(
+            _cuts(_near(_edges(one.triangles), other.triangles, 0), _near(other.triangles, one.triangles, 0))[
+                0
+            ]
+        )
+        for one, other in ((a, b), (b, a))
+    )
+
+
 def _near(parts: np.ndarray, other: np.ndarray, depth: float) -> np.ndarray:
     """Return those of edges or triangles (n, k, 3) that reach deeper than `depth` into the hull of others."""
     corners = other.reshape(-1, 3)
@@ -270,7 +282,7 @@ def _cuts(edges: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndar
 
     By Moeller and Trumbore, "Fast, minimum storage ray/triangle intersection" (1997), section 2.
     """
-    found = []
+    found = [(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros(0))]
     a = triangles[:, 0]
     u, v = triangles[:, 1] - a, triangles[:, 2] - a
     for rows in _chunks(len(edges), len(triangles)):
@@ -293,7 +305,7 @@ def _cuts(edges: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 def _between_cuts(edges: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     """Return the middles of the pieces that triangles cut edges into, (k, 3)."""
-    if not len(edges) or not len(triangles):
+    if not len(edges):
         return np.zeros((0, 3))
     edge, _, t = _cuts(edges, triangles)
     n = np.arange(len(edges))
@@ -307,8 +319,6 @@ def _between_cuts(edges: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 
 def _middles_of_cuts(edges: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     """Return the middle of all places where edges go through each triangle, (k, 3)."""
-    if not len(edges) or not len(triangles):
-        return np.zeros((0, 3))
     edge, triangle, t = _cuts(edges, triangles)
     if not len(edge):
         return np.zeros((0, 3))

@@ -87,14 +87,15 @@ class StoneShape:
         return InputError(allowed, key="stone", value=self.name)
 
     @functools.cached_property
-    def inside(self) -> Inside:
-        """The space inside."""
+    def insides(self) -> list[Inside]:
+        """The space inside: of each of its bodies."""
         if self._surface is None:
             ball = Ball(centre=0.5 * (self.low + self.high), radius=0.5 * self.size)
-            return Inside(triangles=_sphere(ball), known=ball)
+            return [Inside(triangles=_sphere(ball), known=ball)]
+        triangles, body = self._surface.triangles, self._surface.body
         if self.solid is not None:
-            return Inside(triangles=self._surface.triangles, known=self.solid)
-        return Inside.of(self._surface.triangles)
+            return [Inside(triangles=triangles, known=self.solid)]
+        return [Inside.of(triangles[body == k]) for k in range(int(body.max()) + 1)]
 
 
 def name_of(shape: Any) -> str:

@@ -71,25 +71,50 @@ def test_faces_without_an_area_are_passed_by():
     positions, faces = box()
     surface = closed_surface(positions, np.concatenate([faces, [(3, 3, 5), (2, 2, 2)]]))
     assert list(surface.outward) == [1] * 12 + [0] * 2
-    assert len(surface.triangles) == len(surface.part) == 12
+    assert len(surface.triangles) == len(surface.body) == 12
 
 
-@pytest.mark.parametrize("inner", [box((0.5, 0.5, 0.5)), turned(box((0.5, 0.5, 0.5)))], ids=["out", "in"])
-@pytest.mark.parametrize("outer", [box(), turned(box())], ids=["out", "in"])
-def test_a_part_inside_another_is_a_hollow(outer, inner):
-    assert volume(closed_surface(*together(outer, inner))) == pytest.approx(8 - 1, abs=EXACT)
+@pytest.mark.parametrize("wound", [lambda m: m, lambda m: soup(*m)], ids=["joined", "soup"])
+@pytest.mark.parametrize("swap", [False, True])
+def test_a_part_inside_another_that_is_wound_the_other_way_is_a_hollow(wound, swap):
+    hollow = together(box(), turned(box((0.5, 0.5, 0.5))))
+    surface = closed_surface(*wound(turned(hollow) if swap else hollow))
+    assert (surface.outward == (-1 if swap else 1)).all()
+    assert volume(surface) == pytest.approx(8 - 1, abs=EXACT)
+    assert (surface.body == 0).all()
 
 
 def test_a_part_in_a_hollow_is_a_solid():
-    nested = together(box((0.4, 0.4, 0.4)), box((0.5, 0.5, 0.5)), box())
-    assert volume(closed_surface(*nested)) == pytest.approx(8 - 1 + 0.512, abs=EXACT)
+    nested = together(box((0.4, 0.4, 0.4)), turned(box((0.5, 0.5, 0.5))), box())
+    surface = closed_surface(*nested)
+    assert volume(surface) == pytest.approx(8 - 1 + 0.512, abs=EXACT)
+    assert len(np.unique(surface.body)) == 2
 
 
-def test_parts_side_by_side_are_solids():
-    # The second one inside out; they touch along an edge, where four faces meet
-    surface = closed_surface(*together(box(), turned(box(centre=(2, 2, 0)))))
+@pytest.mark.parametrize(
+    "other", [box((0.5, 0.5, 0.5)), box(centre=(0.5, 0.5, 0.5)), box((0.1, 0.1, 5)), box()], ids=str
+)
+def test_parts_that_overlap_are_refused(other):
+    # As Mitsuba makes one mesh of stones of one material
+    for mesh in (together(box(), other), turned(together(box(), other))):
+        with pytest.raises(InputError, match=r"^must not overlap itself"):
+            closed_surface(*mesh)
+
+
+@pytest.mark.parametrize("centre", [(2, 2, 2), (2, 2, 0), (2, 0, 0), (2, 0.5, 0.3), (3, 0, 0)])
+@pytest.mark.parametrize("wound", [lambda m: m, lambda m: soup(*m)], ids=["joined", "soup"])
+def test_parts_that_touch_are_solids(wound, centre):
+    # At a corner, at an edge where four faces meet, or with two faces in one place; one of them is inside out
+    surface = closed_surface(*wound(together(box(), turned(box(centre=centre)))))
     assert volume(surface) == pytest.approx(16, abs=EXACT)
-    assert len(np.unique(surface.part)) == 2
+    np.testing.assert_array_equal(surface.outward, np.repeat([1, -1], 12))
+    assert len(np.unique(surface.body)) == 2
+
+
+def doubled(mesh):
+    """Each face followed by itself, wound the other way."""
+    positions, faces = mesh
+    return positions, np.stack([faces, faces[:, ::-1]], axis=1).reshape(-1, 3)
 
 
 def moebius(n=24):
@@ -127,8 +152,7 @@ def klein(n=24):
         ((np.zeros((3, 3)), np.zeros((0, 3), dtype=int)), "must have faces"),
         ((np.eye(3), [(0, 1, 3)]), "must have a vertex of every number that a face names"),
         ((np.diag([1, 1, np.nan]), [(0, 1, 2)]), "must have vertices that are finite numbers"),
-        (together(box(), box()), "must have each face once; 12 of them are there again"),
-        (together(box(), turned(box())), "must have each face once; 12 of them are there again"),
+        (doubled(box()), "must have each face once; 12 of them are there again"),
         ((np.eye(3), [(0, 1, 2), (0, 2, 1)]), "must have each face once; 1 of them are there again"),
         (box((1, 1, 0)), "must have each face once"),
         (box((1, 1, 1e-11)), "must"),

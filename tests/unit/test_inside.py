@@ -16,6 +16,8 @@ EXACT = 1e-12
 #: What touches, and what reaches into another.
 TOUCHING, CLEAR = 1e-6, 1e-3
 
+HOLLOW = together(box(), turned(box((0.5, 0.5, 0.5))))
+
 
 def triangles(mesh):
     return closed_surface(*mesh).triangles
@@ -62,7 +64,7 @@ def test_depth_in_a_hollow_box(rng):
     points = rng.uniform(-1, 1, (500, 3))
     beyond = np.linalg.norm(np.maximum(np.abs(points) - 0.5, 0), axis=1)
     expected = np.minimum((1 - np.abs(points)).min(axis=1), beyond)
-    solid = Inside.of(triangles(together(box(), box((0.5, 0.5, 0.5)))))
+    solid = Inside.of(triangles(HOLLOW))
     assert solid.known is None
     np.testing.assert_allclose(solid.depth(points), expected, rtol=0, atol=EXACT)
 
@@ -84,7 +86,7 @@ def test_a_notched_mesh_is_not_convex():
 
 
 def test_an_inner_point_is_inside():
-    for mesh in (box((3, 0.1, 1)), together(box(), box((0.9, 0.9, 0.9))), turned(box())):
+    for mesh in (box((3, 0.1, 1)), HOLLOW, turned(box())):
         solid = any_mesh(mesh)
         assert solid.depth(solid.inner()[None])[0] > 0
 
@@ -154,7 +156,7 @@ def test_a_box_in_a_box_is_an_overlap(kind):
 
 
 def test_a_box_in_a_hollow_is_none():
-    hollow = any_mesh(together(box(), box((0.5, 0.5, 0.5))))
+    hollow = any_mesh(HOLLOW)
     assert not overlap(any_mesh(box((0.2, 0.2, 0.2))), hollow, TOUCHING)
     assert not overlap(any_mesh(box((0.5, 0.5, 0.5))), hollow, TOUCHING)  # that fills it
     assert overlap(any_mesh(box((0.6, 0.2, 0.2))), hollow, TOUCHING)
