@@ -67,7 +67,8 @@ class PathIntegrator(mi.SamplingIntegrator):
     are at sharp edges that Mitsuba makes for a file without, the facets are flat. A part of a mesh inside
     another part is a hollow. Surfaces that are open or one-sided, faces that are there twice, stones that
     overlap (they may touch), stones in shape groups, and cameras or lights inside stones are refused: by an
-    ``InputError``, which ``mi.render`` tells as the cause of its own error.
+    ``InputError``, which ``mi.render`` tells as the cause of its own error. ``scene.integrator().check(scene,
+    sensor)`` checks only, and raises it as it is.
 
     Point and directional lights light plain surfaces, but are not seen in or through stones. Participating
     media are not followed. A ``GemrenderWarning`` says either.

@@ -49,7 +49,7 @@ class StoneShape:
         For each face, what its normal is multiplied by to be the stone's outward one: 1 or -1 for that of the
         vertices, `FLAT` or -`FLAT` for that of the face. None where all are right as they are.
     mended : str
-        What was wrong and what is done, for the user; empty where nothing was.
+        What is wrong and what is done about it, for the user; empty where nothing is.
 
     Raises
     ------
@@ -69,9 +69,14 @@ class StoneShape:
         kind = shape.class_name()
         if kind in _OPEN:
             raise self._refused("must be closed: a mesh or a sphere, not a " + kind.lower())
-        if not shape.is_mesh():
+        self._ball: Ball | None = None
+        if kind == "Sphere":
+            self._ball = Ball(centre=0.5 * (self.low + self.high), radius=0.5 * self.size)
             if shape.has_flipped_normals():
                 self.facing, self.mended = np.array([-1.0], dtype=np.float32), _INWARDS
+            return
+        if not shape.is_mesh():
+            self.mended = f"is a {kind.lower()}; whether it is closed and apart from others is not checked"
             return
         positions, faces, normals = mesh_buffers(shape)
         try:
@@ -88,10 +93,11 @@ class StoneShape:
 
     @functools.cached_property
     def insides(self) -> list[Inside]:
-        """The space inside: of each of its bodies."""
+        """The space inside: of each of its bodies; none where it is not known."""
+        if self._ball is not None:
+            return [Inside(triangles=_sphere(self._ball), known=self._ball)]
         if self._surface is None:
-            ball = Ball(centre=0.5 * (self.low + self.high), radius=0.5 * self.size)
-            return [Inside(triangles=_sphere(ball), known=ball)]
+            return []
         triangles, body = self._surface.triangles, self._surface.body
         if self.solid is not None:
             return [Inside(triangles=triangles, known=self.solid)]

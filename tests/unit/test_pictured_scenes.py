@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from solids import bent_stone
 
 from gemrender.render.backend import ensure_variant
 from gemrender.render.photoreal import make_gems
+from gemrender.scene.mesh import placed_mesh
 from gemrender.scene.photoreal import photoreal_scene
+from gemrender.scene.placing import Placed
 from gemrender.scene.setup import load_setup
-from gemrender.stone import load_stone
+from gemrender.scene.shapes import StoneShape
+from gemrender.stone import load_stone, tessellate
 
 #: Single precision of places that are a few units from the origin.
 PLACE = 1e-6
@@ -28,6 +32,22 @@ def test_bundled_setups_need_no_mending(setup):
 
     scene = mi.load_dict(scene_of(setup, 37.0).to_dict())
     scene.integrator().check(scene, scene.sensors()[0])
+
+
+@pytest.mark.parametrize("culet", [0.003, 0, -0.003])
+@pytest.mark.parametrize("turn_deg", [0.0, 37.0])
+def test_stones_keep_their_own_normals(culet, turn_deg):
+    # Hollow, as cut, and bent outwards; the girdle's are smooth, and its triangles narrow
+    ensure_variant("llvm_ad_mono")
+    for stretched in (1.0, 1.05):
+        mesh = tessellate(bent_stone(culet, stretched=stretched))
+        turn = np.radians(turn_deg)
+        rotation = np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
+        shift = np.array([30.0, -20.0, 10.0])
+        placed = Placed(name="a", mesh=mesh, rotation=rotation, scale=1.3, shift=shift)
+        stone = StoneShape(placed_mesh(placed))
+        assert stone.facing is None
+        assert stone.mended == ""
 
 
 def test_cups_turn_with_their_stones():

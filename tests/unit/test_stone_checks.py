@@ -158,6 +158,14 @@ def test_a_sphere_is_a_stone(variant_llvm_ad_rgb, flip, expected):
     assert mean(ball) == pytest.approx(1, abs=FURNACE)
 
 
+def test_a_shape_that_cannot_be_checked_is_told(variant_llvm_ad_rgb):
+    grid = np.linspace(-1, 1, 8)
+    x, y, z = np.meshgrid(grid, grid, grid, indexing="ij")
+    ball = mi.TensorXf((np.sqrt(x**2 + y**2 + z**2) - 0.7)[..., None].astype(np.float32))
+    expected = "stone gem is a sdfgrid; whether it is closed and apart from others is not checked"
+    assert told(scene(gem={"type": "sdfgrid", "grid": ball, "bsdf": GEM})) == [expected]
+
+
 def test_mitsubas_cube_is_a_stone(variant_llvm_ad_rgb):
     assert mean(scene(gem={"type": "cube", "bsdf": GEM})) == pytest.approx(1, abs=FURNACE)
 
@@ -347,6 +355,13 @@ def test_the_camera_that_renders_counts(variant_llvm_ad_rgb, ply):
     with pytest.raises(RuntimeError) as error:
         mi.render(both, sensor=1 - far, spp=1)
     assert str(error.value.__cause__).startswith("camera = 'inside gem'")
+
+
+def test_scenes_of_other_integrators_can_be_checked(variant_llvm_ad_rgb, ply):
+    positions, faces = box()
+    other = scene(gem=ply((positions, faces[1:])), integrator={"type": "path"})
+    with pytest.raises(InputError, match="stone = 'gem': must be a closed surface"):
+        mi.load_dict({"type": "gem_path"}).check(other, other.sensors()[0])
 
 
 def test_other_things_in_stones_are_told(variant_llvm_ad_rgb, ply):
