@@ -21,6 +21,8 @@ __all__ = ["SceneCheck", "is_stone", "require_facets"]
 _TOUCHING = 1e-5
 #: How far other things may, as a ground that a stone sinks into, before it is said [share of its size].
 _SUNK = 1e-3
+#: How many of them are named.
+_TOLD = 5
 #: A camera's rays are looked at in a grid of so many by so many.
 _RAYS = 9
 
@@ -173,7 +175,7 @@ def _check_lights(scene: mi.Scene, shapes: list[mi.Shape], stones: list[StoneSha
         if mi.has_flag(flags, mi.EmitterFlags.DeltaPosition | mi.EmitterFlags.DeltaDirection):
             unseen.append(name)
         if shape is not None:
-            places = surface_points(shape)
+            places = surface_points(shape, *_box(stones))
         elif mi.has_flag(flags, mi.EmitterFlags.DeltaPosition):
             places = np.tile(_place(emitter), (1, 3, 1))
         else:
@@ -197,20 +199,26 @@ def _place(emitter: mi.Emitter) -> np.ndarray:
 
 def _check_others(shapes: list[mi.Shape], stones: list[StoneShape]) -> None:
     """Say which other things reach into stones."""
+    within = []
     for shape in shapes:
-        if is_stone(shape) or shape.is_emitter():
-            continue
-        places = surface_points(shape)
-        for stone in stones:
-            if _reaches(places, stone, _SUNK):
-                _say(f"{name_of(shape)} reaches into stone {stone.name}; it is not seen inside")
+        if not is_stone(shape) and not shape.is_emitter():
+            places = surface_points(shape, *_box(stones))
+            within += [f"{name_of(shape)} in {s.name}" for s in stones if _reaches(places, s, _SUNK)]
+    if within:
+        more = f" and {len(within) - _TOLD} more" if len(within) > _TOLD else ""
+        _say(f"other things reach into stones, and are not seen inside: {', '.join(within[:_TOLD])}{more}")
     if any(shape.is_medium_transition() for shape in shapes):
         _say("gem_path does not follow light in media; a stone absorbs by its material")
 
 
-def _reaches(places: np.ndarray | None, stone: StoneShape, share: float) -> bool:
+def _box(stones: list[StoneShape]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the lowest and the highest corner of the box around all stones."""
+    return np.min([s.low for s in stones], axis=0), np.max([s.high for s in stones], axis=0)
+
+
+def _reaches(places: np.ndarray, stone: StoneShape, share: float) -> bool:
     """Return whether triangles (n, 3, 3) reach into a stone, by more than a share of its size."""
-    if places is None or (places.min(axis=(0, 1)) > stone.high).any():
+    if not len(places) or (places.min(axis=(0, 1)) > stone.high).any():
         return False
     if (places.max(axis=(0, 1)) < stone.low).any():
         return False

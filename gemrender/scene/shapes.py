@@ -26,6 +26,8 @@ _SAME_NORMAL = 1e-3
 #: Shapes that bound no solid, and how many points or corners stand for round ones.
 _OPEN = ("Rectangle", "Disk", "Cylinder")
 _AROUND, _ALONG = 64, 32
+#: Triangles that are looked at together.
+_AT_ONCE = 1 << 18
 _INWARDS = "looks inwards; it is turned round"
 
 
@@ -48,6 +50,10 @@ class StoneShape:
     facing : (f,) float32 or None
         For each face, what its normal is multiplied by to be the stone's outward one: 1 or -1 for that of the
         vertices, `FLAT` or -`FLAT` for that of the face. None where all are right as they are.
+    low, high : (3,) float64
+        Its box [scene unit].
+    size : float
+        What tolerances are shares of: its longest extent [scene unit].
     mended : str
         What is wrong and what is done about it, for the user; empty where nothing is.
 
@@ -65,13 +71,15 @@ class StoneShape:
         self._surface: ClosedSurface | None = None
         box = shape.bbox()
         self.low, self.high = np.array(box.min, dtype=np.float64), np.array(box.max, dtype=np.float64)
-        self.size = float((self.high - self.low).max())
+        extent = float((self.high - self.low).max())
+        # Rounding goes with the distance from the origin
+        self.size = max(extent, 0.1 * float(np.abs([self.low, self.high]).max()))
         kind = shape.class_name()
         if kind in _OPEN:
             raise self._refused("must be closed: a mesh or a sphere, not a " + kind.lower())
         self._ball: Ball | None = None
         if kind == "Sphere":
-            self._ball = Ball(centre=0.5 * (self.low + self.high), radius=0.5 * self.size)
+            self._ball = Ball(centre=0.5 * (self.low + self.high), radius=0.5 * extent)
             if shape.has_flipped_normals():
                 self.facing, self.mended = np.array([-1.0], dtype=np.float32), _INWARDS
             return
@@ -125,11 +133,32 @@ def mesh_buffers(shape: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     )
 
 
-def surface_points(shape: Any) -> np.ndarray | None:
-    """Return triangles (n, 3, 3) that lie on a shape, of round ones points thrice; None for other shapes."""
-    if shape.is_mesh():
-        positions, faces, _ = mesh_buffers(shape)
-        return np.asarray(positions[faces])
+def surface_points(shape: Any, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Return triangles (n, 3, 3) that lie on a shape and meet a box; of round shapes points thrice.
+
+    None of shapes that are neither meshes nor rectangles, disks, spheres or cylinders.
+    """
+    box = shape.bbox()
+    if (np.array(box.min) > high).any() or (np.array(box.max) < low).any():
+        return np.zeros((0, 3, 3))
+    if not shape.is_mesh():
+        triangles = _round_points(shape)
+        return np.asarray(triangles[_meeting(triangles, low, high)])
+    positions, faces, _ = mesh_buffers(shape)
+    found = [np.zeros((0, 3, 3))]
+    for first in range(0, len(faces), _AT_ONCE):
+        triangles = positions[faces[first : first + _AT_ONCE]]
+        found.append(triangles[_meeting(triangles, low, high)])
+    return np.concatenate(found)
+
+
+def _meeting(triangles: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Return which triangles' boxes meet a box, (n,) bool."""
+    return np.asarray(((triangles.max(axis=1) >= low) & (triangles.min(axis=1) <= high)).all(axis=1))
+
+
+def _round_points(shape: Any) -> np.ndarray:
+    """Return what `surface_points` does of a shape that is no mesh, all of it."""
     kind = shape.class_name()
     turn = np.linspace(0, 2 * np.pi, _AROUND, endpoint=False)
     x, y = np.cos(turn), np.sin(turn)
@@ -137,16 +166,17 @@ def surface_points(shape: Any) -> np.ndarray | None:
         low, high = np.array(shape.bbox().min), np.array(shape.bbox().max)
         triangles = _sphere(Ball(centre=0.5 * (low + high), radius=0.5 * float((high - low).max())))
         return np.repeat(triangles.reshape(-1, 1, 3), 3, axis=1)
-    to_world = _to_world(shape)
     if kind == "Disk":
+        to_world = _to_world(shape)
         rim = np.stack([x, y, 0 * x], axis=1)
         fan = np.stack([np.zeros_like(rim), rim, np.roll(rim, -1, axis=0)], axis=1)
         return np.asarray(fan @ to_world[:3, :3].T + to_world[:3, 3])
     if kind == "Cylinder":
+        to_world = _to_world(shape)
         z = np.linspace(0, 1, _ALONG)
         wall = np.stack([np.tile(x, _ALONG), np.tile(y, _ALONG), np.repeat(z, _AROUND)], axis=1)
         return np.repeat((wall @ to_world[:3, :3].T + to_world[:3, 3])[:, None], 3, axis=1)
-    return None
+    return np.zeros((0, 3, 3))
 
 
 def _to_world(shape: Any) -> np.ndarray:

@@ -367,8 +367,17 @@ def test_scenes_of_other_integrators_can_be_checked(variant_llvm_ad_rgb, ply):
 def test_other_things_in_stones_are_told(variant_llvm_ad_rgb, ply):
     inclusion = {"type": "sphere", "radius": 0.2, "bsdf": {"type": "diffuse"}}
     with_it = scene(gem=ply(box()), speck=inclusion)
-    assert told(with_it) == ["speck reaches into stone gem; it is not seen inside"]
+    assert told(with_it) == ["other things reach into stones, and are not seen inside: speck in gem"]
     assert not told(with_it)  # once
+
+
+def test_of_many_things_in_stones_some_are_named(variant_llvm_ad_rgb, ply):
+    specks = {
+        f"speck_{k}": {"type": "sphere", "center": [0.2 * k - 0.7, 0, 0], "radius": 0.05} for k in range(8)
+    }
+    (message,) = told(scene(gem=ply(box()), **specks))
+    assert message.count(" in gem") == 5
+    assert message.endswith(" and 3 more")
 
 
 # ---- Lights that cannot be seen ------------------------------------------------------------------------
