@@ -54,6 +54,28 @@ def seamed_box():
     return together(*((p, np.delete(f, inner, axis=0)) for (p, f), inner in parts))
 
 
+def ball(n=48):
+    """A sphere of 2 n^2 - 2 n triangles that share their corners."""
+    polar, turn = np.linspace(0, np.pi, n + 1)[1:-1], 2 * np.pi * np.arange(2 * n) / (2 * n)
+    ring = np.stack(
+        [
+            np.outer(np.sin(polar), np.cos(turn)),
+            np.outer(np.sin(polar), np.sin(turn)),
+            np.outer(np.cos(polar), np.ones(2 * n)),
+        ],
+        axis=2,
+    )
+    positions = np.concatenate([ring.reshape(-1, 3), [(0, 0, 1), (0, 0, -1)]])
+    k = np.arange(2 * n)
+    after, last, top = (k + 1) % (2 * n), 2 * n * (n - 2), 2 * n * (n - 1)
+    faces = [np.stack([np.full(2 * n, top), k, after], axis=1)]
+    for first in range(0, last, 2 * n):
+        a, b, c, d = first + k, first + 2 * n + k, first + 2 * n + after, first + after
+        faces += [np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)]
+    faces.append(np.stack([last + k, np.full(2 * n, top + 1), last + after], axis=1))
+    return positions, np.concatenate(faces)
+
+
 def write_ply(path, mesh, normals=None):
     """Write a mesh as an ASCII PLY file."""
     positions, faces = mesh

@@ -25,6 +25,8 @@ _SUNK = 1e-3
 _TOLD = 5
 #: A camera's rays are looked at in a grid of so many by so many.
 _RAYS = 9
+#: How many cameras are remembered.
+_CAMERAS = 16
 
 
 def is_stone(shape: mi.Shape) -> bool:
@@ -78,7 +80,7 @@ class SceneCheck:
         for stone in stones:
             if _reaches(seen, stone, _TOUCHING):
                 raise InputError("must be outside all stones", key="camera", value=f"inside {stone.name}")
-        self._cameras.append(state)
+        self._cameras = [*self._cameras[-_CAMERAS:], state]
 
 
 def require_facets(scene: mi.Scene) -> None:
