@@ -17,7 +17,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from gemrender.engines import observe
-from gemrender.errors import BackendError, GemrenderError, InputError
+from gemrender.errors import BackendError, GemrenderError, GemrenderWarning, InputError
 
 # At once, not on demand: the function has its module's name, and must be bound after the module.
 from gemrender.score import Score, score
@@ -33,6 +33,7 @@ __version__ = "0.1.0"
 __all__ = [
     "BackendError",
     "GemrenderError",
+    "GemrenderWarning",
     "InputError",
     "Model",
     "Observation",

@@ -70,6 +70,9 @@ class PathIntegrator(mi.SamplingIntegrator):
     ``InputError``, which ``mi.render`` tells as the cause of its own error. ``scene.integrator().check(scene,
     sensor)`` checks only, and raises it as it is.
 
+    Stones that lie face to face, closer than a ray starts from a facet, are taken without air between them,
+    and a ``GemrenderWarning`` says so.
+
     Point and directional lights light plain surfaces, but are not seen in or through stones. Participating
     media are not followed. A ``GemrenderWarning`` says either.
 

@@ -6,16 +6,13 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from gemrender.plugins.checks import SceneCheck, is_stone
+from gemrender.plugins.checks import RAY_OFFSET, SceneCheck, is_stone
 from gemrender.plugins.spectra import N_ROWS, parting_colour, row_of, tabulated
 from gemrender.scene.convex import ConvexSolid
 from gemrender.scene.shapes import FLAT
 
 __all__ = ["RAY_OFFSET", "Stones", "reflectance", "refracted"]
 
-#: How far a ray starts from the facet it leaves [radius of the largest stone]: more than single precision's
-#: rounding, far less than a facet. Mitsuba's own offset loses one path in a few thousand at edges.
-RAY_OFFSET = 2e-6
 #: Planes of so many stones at most are compiled one beside the other; of more they are looked up by number.
 _MOST_COMPILED = 4
 

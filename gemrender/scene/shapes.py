@@ -106,10 +106,17 @@ class StoneShape:
             return [Inside(triangles=_sphere(self._ball), known=self._ball)]
         if self._surface is None:
             return []
-        triangles, body = self._surface.triangles, self._surface.body
         if self.solid is not None:
-            return [Inside(triangles=triangles, known=self.solid)]
-        return [Inside.of(triangles[body == k]) for k in range(int(body.max()) + 1)]
+            return [Inside(triangles=self._surface.triangles, known=self.solid)]
+        return [Inside.of(triangles) for triangles in self.bodies]
+
+    @property
+    def bodies(self) -> list[np.ndarray]:
+        """The triangles (n, 3, 3) of each body of a mesh."""
+        if self._surface is None:
+            return []
+        triangles, body = self._surface.triangles, self._surface.body
+        return [triangles[body == k] for k in range(int(body.max()) + 1)]
 
 
 def name_of(shape: Any) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import re
 import weakref
 
 import drjit as dr
@@ -46,8 +47,8 @@ def test_stones_that_overlap_are_refused(variant_llvm_ad_rgb, ply, other):
 
 
 def test_stones_of_one_material_are_told_by_their_files(variant_llvm_ad_rgb, ply):
-    # Mitsuba makes one mesh of them; they touch face to face, corners and faces in the same places
-    two = scene(one=ply(box()), two=ply(turned(box(centre=(0, 2, 0)))))
+    # Mitsuba makes one mesh of them; they touch at an edge, whose corners are in the same places
+    two = scene(one=ply(box()), two=ply(turned(box(centre=(0, 2, 2)))))
     assert len(two.shapes()) == 1
     expected = "stone mesh_1.ply + mesh_2.ply has 12 faces of 24 that look inwards; they are turned round"
     (message,) = told(two)
@@ -60,14 +61,14 @@ def test_a_sphere_in_a_stone_is_refused(variant_llvm_ad_rgb, ply):
 
 
 def test_what_touches_a_stone_is_no_matter(variant_llvm_ad_rgb, ply):
-    # Stones face to face and corner to corner, the ground, a cup, a lamp: no error and no warning
+    # Stones edge to edge and corner to corner, the ground, a cup, a lamp: no error and no warning
     diffuse = {"type": "diffuse"}
     up = mi.ScalarTransform4f().translate([0, 0, -1]).scale([60, 60, 1])
     lamp = mi.ScalarTransform4f().translate([0, 0, 1])
     check(
         scene(
             one=ply(box()),
-            two=ply(box(centre=(2, -0.3, 0.1))),
+            two=ply(box(centre=(2, -2, 0.1))),
             three=ply(box(centre=(-2, -2, 2)), bsdf=QUARTZ),
             four=ply(box(centre=(20, 0, 0)), bsdf=QUARTZ),
             round_one={"type": "sphere", "center": [0, 3, 1], "radius": 2, "bsdf": GEM},
@@ -118,6 +119,16 @@ def test_a_stone_that_shines_is_refused(variant_llvm_ad_rgb, ply):
 def test_a_light_around_stones_is_none_in_them(variant_llvm_ad_rgb, ply):
     dome = {"type": "sphere", "radius": 30, "flip_normals": True, "emitter": {"type": "area"}}
     check(scene(gem=ply(box()), dome=dome))
+
+
+@pytest.mark.parametrize("bsdf", [GEM, QUARTZ], ids=["one mesh", "two"])
+def test_stones_face_to_face_are_told(variant_llvm_ad_rgb, ply, bsdf):
+    for gap, expected in ((0, True), (1e-6, True), (1e-4, False)):
+        other = ply(box(SMALL, (0.1, 0.9, 1 + SMALL[2] + gap)), bsdf=bsdf)  # over an edge
+        messages = told(scene(one=ply(box()), two=other))
+        assert len(messages) == expected
+        assert all(m.startswith("stones lie face to face, and light passes between") for m in messages)
+        assert all(re.search("; leave [23]e-05 or more between: ", m) for m in messages)
 
 
 @pytest.mark.parametrize("kind", ["perspective", "thinlens", "orthographic"])
