@@ -17,7 +17,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from gemrender.engines import observe
-from gemrender.errors import BackendError, GemrenderError, InputError
+from gemrender.errors import BackendError, GemrenderError, GemrenderWarning, InputError
 from gemrender.render import import_order as _import_order
 
 # At once, not on demand: the function has its module's name, and must be bound after the module.
@@ -35,6 +35,7 @@ __version__ = "0.1.0"
 __all__ = [
     "BackendError",
     "GemrenderError",
+    "GemrenderWarning",
     "InputError",
     "Model",
     "Observation",

@@ -9,7 +9,8 @@ A test that needs Mitsuba takes one of the variant fixtures and imports what it 
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -56,3 +57,20 @@ def variants_all(request: pytest.FixtureRequest) -> Iterator[str]:
 @pytest.fixture
 def rng() -> np.random.Generator:
     return np.random.default_rng(seed=12345)
+
+
+@pytest.fixture
+def ply(tmp_path: Path) -> Callable[..., dict[str, object]]:
+    """Return what writes a mesh (positions, faces) as a PLY file, and gives the gem that reads it."""
+    from meshes import write_ply
+
+    count = 0
+
+    def stone(mesh: object, *, normals: object = None, **more: object) -> dict[str, object]:
+        nonlocal count
+        count += 1
+        path = write_ply(tmp_path / f"mesh_{count}.ply", mesh, normals)
+        bsdf = {"type": "gem_dielectric", "dispersion": False}
+        return {"type": "ply", "filename": str(path), "bsdf": bsdf, **more}
+
+    return stone

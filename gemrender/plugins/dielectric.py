@@ -64,7 +64,9 @@ class GemDielectric(mi.BSDF):
     wavelengths of a path have parted before; a weight that makes up for those that ended would then count
     twice. So for them the whole surface has one index, that at ``wavelength``: render one wavelength a pass,
     in a monochrome variant, and sum up the passes as a spectrum. The index is held outside the kernel: passes
-    at other wavelengths compile nothing. Absorption is left out there: it is no matter of the surface.
+    at other wavelengths compile nothing. Absorption is left out there: it is no matter of the surface. Nor do
+    they check a scene: meshes must be closed and look outwards, with the vertex normals of their faces
+    (``face_normals``). ``mi.load_dict({'type': 'gem_path'}).check(scene, sensor)`` tells what is wrong.
 
     .. tabs::
         .. code-tab:: xml

@@ -6,7 +6,8 @@ import drjit as dr
 import mitsuba as mi
 
 from gemrender.errors import InputError
-from gemrender.plugins.properties import whole_number
+from gemrender.plugins.checks import SceneCheck
+from gemrender.plugins.properties import truth, whole_number
 from gemrender.plugins.stones import RAY_OFFSET, Stones, reflectance
 
 #: Names of the AOVs, in order: what a denoiser wants to know of the first hit.
@@ -33,6 +34,11 @@ class PathIntegrator(mi.SamplingIntegrator):
        - Number of segments after which a path is cut off, as for ``path``; -1 for none. (Default: -1)
        -
 
+     * - aovs
+       - |bool|
+       - Whether the film gets albedo and normal after its own channels, for a denoiser. (Default: false)
+       -
+
     Radiance of scenes with cut stones: shapes whose surface is a ``gem_dielectric``. It takes the same scenes
     as Mitsuba's ``path`` and, without dispersion, gives the same pictures, but it knows what a stone does to
     light:
@@ -52,8 +58,23 @@ class PathIntegrator(mi.SamplingIntegrator):
     - Russian roulette goes by the throughput, and total reflection does not lessen it: long bright paths are
       not clipped. Multiple importance sampling (power heuristic) at all other surfaces.
 
-    The AOVs ``albedo.R``, ``.G``, ``.B`` (1 on stones), ``normal.X``, ``.Y``, ``.Z`` are those of the first
-    surface. Stones must not overlap, nor a camera stand inside one; participating media are not followed.
+    With ``aovs``, the film gets ``albedo.R``, ``.G``, ``.B`` (1 on stones) and ``normal.X``, ``.Y``, ``.Z``
+    of the first surface too.
+
+    A scene is checked when it is first rendered, and again when it has changed. Stones are closed meshes or
+    spheres: the solid counts, not how its mesh is wound. Faces that look inwards are turned round, and a
+    ``GemrenderWarning`` says so. Where vertex normals are more than 30 degrees off those of faces, as those
+    are at sharp edges that Mitsuba makes for a file without, the facets are flat. A part of a mesh inside
+    another part is a hollow. Surfaces that are open or one-sided, faces that are there twice, stones that
+    overlap (they may touch), stones in shape groups, and cameras or lights inside stones are refused: by an
+    ``InputError``, which ``mi.render`` tells as the cause of its own error. ``scene.integrator().check(scene,
+    sensor)`` checks only, and raises it as it is.
+
+    Stones that lie face to face, closer than a ray starts from a facet, are taken without air between them,
+    and a ``GemrenderWarning`` says so.
+
+    Point and directional lights light plain surfaces, but are not seen in or through stones. Participating
+    media are not followed. A ``GemrenderWarning`` says either.
 
     .. tabs::
         .. code-tab:: xml
@@ -72,10 +93,35 @@ class PathIntegrator(mi.SamplingIntegrator):
         if mi.is_polarized:
             raise InputError("gem_path takes unpolarised variants only", key="variant", value=mi.variant())
         self.max_depth = whole_number(props, "max_depth", -1, least=-1)
+        self.aovs = truth(props, "aovs", False)
+        self.scene_check = SceneCheck()
 
     def aov_names(self) -> list[str]:
         """Return the names of the channels after the film's own."""
-        return list(AOV_NAMES)
+        return list(AOV_NAMES) if self.aovs else []
+
+    def check(self, scene: mi.Scene, sensor: mi.Sensor) -> None:
+        """Check a scene and a camera; what can be mended is, with a `GemrenderWarning`.
+
+        Raises
+        ------
+        InputError
+            Light cannot be followed: a stone is open, stones overlap, a light or the camera is inside one.
+        """
+        self.scene_check.camera(scene, sensor)
+
+    def render(
+        self,
+        scene: mi.Scene,
+        sensor: mi.Sensor | int = 0,
+        seed: mi.UInt32 | int = 0,
+        spp: int = 0,
+        develop: bool = True,
+        evaluate: bool = True,
+    ) -> mi.TensorXf:
+        """Render a scene, as every integrator does, once it is checked; see the class."""
+        self.check(scene, scene.sensors()[sensor] if isinstance(sensor, int) else sensor)
+        return super().render(scene, sensor, seed, spp, develop, evaluate)
 
     def sample(
         self,
@@ -86,8 +132,17 @@ class PathIntegrator(mi.SamplingIntegrator):
         active: mi.Bool = True,
     ) -> tuple[mi.Spectrum, mi.Bool, list[mi.Float]]:
         """Return the radiance along a ray from outside all stones; see the class."""
+        if len(scene.sensors()) == 1:  # another integrator may ask, which has checked nothing
+            self.check(scene, scene.sensors()[0])
+        radiance, valid, aovs = self.sample_with_aovs(scene, sampler, ray, active)
+        return radiance, valid, aovs if self.aovs else []
+
+    def sample_with_aovs(
+        self, scene: mi.Scene, sampler: mi.Sampler, ray: mi.RayDifferential3f, active: mi.Bool = True
+    ) -> tuple[mi.Spectrum, mi.Bool, list[mi.Float]]:
+        """Return the radiance along a ray with the AOVs, whether `aovs` asks for them or not."""
         with dr.suspend_grad():
-            stones = Stones(scene, sampler)
+            stones = Stones(scene, sampler, self.scene_check)
             radiance, valid, albedo, normal = self._radiance(
                 scene, stones, sampler, mi.Ray3f(ray), mi.Bool(active)
             )
@@ -95,7 +150,7 @@ class PathIntegrator(mi.SamplingIntegrator):
 
     def to_string(self) -> str:
         """Describe the integrator in Mitsuba's manner."""
-        return f"PathIntegrator[\n  max_depth = {self.max_depth}\n]"
+        return f"PathIntegrator[\n  max_depth = {self.max_depth},\n  aovs = {self.aovs}\n]"
 
     @dr.syntax
     def _radiance(self, scene, stones, sampler, ray, active):  # type: ignore[no-untyped-def]  # dr.syntax
@@ -142,7 +197,7 @@ class PathIntegrator(mi.SamplingIntegrator):
             seen = first & active & si.is_valid()
             reflects = seen & ~on_stone
             valid |= seen
-            normal = dr.select(seen, mi.Vector3f(si.sh_frame.n), normal)
+            normal = dr.select(seen, stones.outward(si, stone, seen), normal)
             diffuse = bsdf.eval_diffuse_reflectance(si, reflects)
             albedo = dr.select(seen, dr.select(on_stone, mi.Color3f(1), _as_rgb(diffuse)), albedo)
             first = mi.Bool(False)
@@ -151,7 +206,7 @@ class PathIntegrator(mi.SamplingIntegrator):
 
             goes_on = active & si.is_valid() & (depth + 1 < max_depth)
             plain = goes_on & ~on_stone
-            n = mi.Vector3f(si.sh_frame.n)
+            n = stones.outward(si, stone, active)
             d = mi.Vector3f(ray.d)
             cos_air = -dr.dot(n, d)
             arrives = goes_on & on_stone & (cos_air > 0)

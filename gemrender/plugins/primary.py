@@ -20,6 +20,7 @@ from gemrender.observation import (
     RayStatus,
 )
 from gemrender.optics.fresnel import FRESNEL_LAWS, GUBELIN_ANGLES_DEG, GUBELIN_INDEX, GUBELIN_REFLECTED
+from gemrender.plugins.checks import require_facets
 from gemrender.plugins.properties import choice, number, whole_number
 from gemrender.scene.mesh import FACET_ATTRIBUTE, NORMAL_ATTRIBUTES, OFFSET_ATTRIBUTES
 from gemrender.stone.topology import GIRDLE
@@ -38,8 +39,7 @@ MOST_APART = 1e-2
 #: How far the relative index may be from the one that Gübelin's table holds for: as far as air's from 1.
 GUBELIN_MARGIN = 1e-3
 
-#: Further queries, beyond a surface that was passed by or from a place beside the last, before a ray counts
-#: as lost.
+#: Further queries, beyond a surface that was passed by or beside the last place, before a ray is lost.
 MOST_RETRIES = 8
 
 
@@ -97,9 +97,8 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
     - ``entry.facet``, ``exit.facet`` (-1 for none), ``path.code``, a 24-bit code of the facet sequence.
 
     The stone is a mesh in its own frame (girdle radius 1 about the origin, table up), with vertex normals
-    and a face attribute ``face_facet``; the generator in ``gemrender.scene`` makes it. Positions and
-    directions are held in double precision: only the choice of the next facet is the ray tracer's.
-    With more than one sample a pixel, AOVs are averages, which is of use for the first three alone.
+    and facets and planes as face attributes; ``gemrender scene`` writes it, others are refused. Positions and
+    directions are in double precision. With more samples than one a pixel, AOVs are averages.
 
     .. tabs::
         .. code-tab:: xml
@@ -169,6 +168,7 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         active: mi.Bool = True,
     ) -> tuple[mi.Spectrum, mi.Bool, list[mi.Float]]:
         """Follow one ray; see the class."""
+        require_facets(scene)
         with dr.suspend_grad():
             return self._measure(scene, ray, self._follow(scene, mi.Ray3f(ray), mi.Bool(active)))
 

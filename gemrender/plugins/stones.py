@@ -6,15 +6,13 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from gemrender.plugins.checks import RAY_OFFSET, SceneCheck, is_stone
 from gemrender.plugins.spectra import N_ROWS, parting_colour, row_of, tabulated
 from gemrender.scene.convex import ConvexSolid
-from gemrender.scene.mesh import mesh_solid
+from gemrender.scene.shapes import FLAT
 
 __all__ = ["RAY_OFFSET", "Stones", "reflectance", "refracted"]
 
-#: How far a ray starts from the facet it leaves [radius of the largest stone]: more than single precision's
-#: rounding, far less than a facet. Mitsuba's own offset loses one path in a few thousand at edges.
-RAY_OFFSET = 2e-6
 #: Planes of so many stones at most are compiled one beside the other; of more they are looked up by number.
 _MOST_COMPILED = 4
 
@@ -28,21 +26,32 @@ class Stones:
         The scene.
     sampler : mi.Sampler
         Source of the wavelength of a path in RGB variants.
+    check : SceneCheck, optional
+        What has checked the scene before.
+
+    Raises
+    ------
+    InputError
+        The scene is none that light can be followed through; see `SceneCheck`.
     """
 
-    def __init__(self, scene: mi.Scene, sampler: mi.Sampler) -> None:
+    def __init__(self, scene: mi.Scene, sampler: mi.Sampler, check: SceneCheck | None = None) -> None:
+        by_shape = {stone.ptr: stone for stone in (check or SceneCheck()).stones(scene)}
         shapes = scene.shapes()
         of_shape = {int(dr.reinterpret_array(mi.UInt32, mi.ShapePtr(s))[0]): s for s in shapes}
         self.scene = scene
         self.environment = scene.environment()
-        numbers = np.zeros(max(of_shape, default=0) + 1, dtype=np.uint32)
+        numbers = np.zeros(
+            max([*of_shape, *_numbers_in_groups(scene, shapes)], default=0) + 1, dtype=np.uint32
+        )
         stones = []
         for number, shape in of_shape.items():
-            if type(shape.bsdf()).__name__ == "GemDielectric":
+            if is_stone(shape):
                 stones.append(shape)
                 numbers[number] = len(stones)
         self.number_of_shape = mi.UInt32(numbers)
         surfaces = [stone.bsdf() for stone in stones]
+        checked = [by_shape[stone.ptr] for stone in stones]
         # Row 0 stands for no stone: an index that divides.
         self.indices = mi.Float(np.concatenate([np.ones(N_ROWS), *(s.index_table for s in surfaces)]))
         self.absorption = mi.Float(
@@ -60,7 +69,7 @@ class Stones:
             self.path_nm, self.colour = parting_colour(sampler.next_1d())
         else:
             self.path_nm = mi.Float(589.3)
-        solids = [mesh_solid(stone) for stone in stones]
+        solids = [stone.solid for stone in checked]
         radii = [0.5 * float(np.max(np.array(s.bbox().extents()))) for s in stones]
         self.size = dr.opaque(mi.Float, max(radii, default=1.0))
         #: Whether a ray that leaves a stone can meet only the sky.
@@ -68,6 +77,14 @@ class Stones:
         self.solids = None if any(solid is None for solid in solids) else [s for s in solids if s]
         if self.solids:
             self._tabulate(self.solids)
+        self.any_turned = any(stone.facing is not None for stone in checked)
+        if self.any_turned:
+            # Row 0 stands for all faces that look outwards as they are
+            facing = [stone.facing for stone in checked if stone.facing is not None]
+            self.facing = mi.Float(np.concatenate([np.ones(1, dtype=np.float32), *facing]))
+            counts = np.array([0, *(0 if s.facing is None else len(s.facing) for s in checked)])
+            first = np.where(counts > 0, 1 + np.cumsum(counts) - counts, 0)
+            self.first_face = mi.UInt32(first.astype(np.uint32))
 
     # ---- Numbers ----
 
@@ -172,13 +189,28 @@ class Stones:
 
     # ---- Geometry ----
 
+    def outward(self, si: mi.SurfaceInteraction3f, stone: mi.UInt32, active: mi.Bool) -> mi.Vector3f:
+        """Return the outward normal of a stone that was hit, of other surfaces the shading normal."""
+        n = mi.Vector3f(si.sh_frame.n)
+        if not self.any_turned:
+            return n
+        first = dr.gather(mi.UInt32, self.first_face, stone, active)
+        row = dr.select(first > 0, first + si.prim_index, 0)
+        facing = dr.gather(mi.Float, self.facing, row, active)
+        n = dr.select(dr.abs(facing) == FLAT, mi.Vector3f(si.n), n)
+        return dr.select(facing < 0, -n, n)
+
     def next_surface(
         self, stone: mi.UInt32, p: mi.Point3f, d: mi.Vector3f, active: mi.Bool
     ) -> tuple[mi.Float, mi.Vector3f, mi.Bool]:
         """Return how far a ray inside a stone goes, the outward normal there, and whether it met anything."""
         if self.solids is None:
             si = self.scene.ray_intersect(mi.Ray3f(p, d), mi.RayFlags.ShadingFrame, False, active)
-            n = mi.Vector3f(si.sh_frame.n)
+            n = (
+                self.outward(si, self.of(si, active), active)
+                if self.any_turned
+                else mi.Vector3f(si.sh_frame.n)
+            )
             return si.t, n, si.is_valid() & (dr.dot(n, d) > 0)
         t, n = (self._nearest_compiled if self.compiled else self._nearest_looked_up)(stone, p, d)
         return t, n, t < _NOTHING
@@ -273,6 +305,14 @@ class Stones:
 
 #: No surface is as far [scene unit].
 _NOTHING = 1e30
+
+
+def _numbers_in_groups(scene: mi.Scene, shapes: list[mi.Shape]) -> list[int]:
+    """Return the numbers of shapes that only instances of groups show."""
+    if not any(shape.class_name() == "Instance" for shape in shapes):
+        return []
+    inner = [node for node in mi.traverse(scene).hierarchy if isinstance(node, mi.Shape)]
+    return [int(dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape))[0]) for shape in inner]
 
 
 def _opaque(x: np.floating) -> mi.Float:

@@ -17,8 +17,6 @@ PASS_SAMPLES = 1 << 21
 _TILE_PIXELS = 1 << 18
 #: Entries of the table that wavelengths are drawn by.
 _N_DRAW = 1024
-#: How far a stone may reach into another: rounding, of stones that touch [scene unit].
-_TOUCHING = 1e-5
 #: Roberts' R5 sequence (pixel x and y, wavelength, lens u and v): powers of 1/g, g^6 = g + 1, in 2^-32.
 _G = 1.1673039782614187
 _STEPS = tuple(round((_G**-k % 1.0) * 2**32) for k in range(1, 6))
@@ -51,7 +49,7 @@ class Passes:
     Raises
     ------
     InputError
-        The camera is inside a stone, or a stone in a stone.
+        Light cannot be followed through the scene: the camera is inside a stone, a stone in a stone ...
     """
 
     def __init__(
@@ -67,7 +65,7 @@ class Passes:
 
         self.scene, self.seed, self.filter_radius = scene, seed, filter_radius
         self.sensor = scene.sensors()[0]
-        check_outside(scene)
+        scene.integrator().check(scene, self.sensor)
         self.width, self.height = (int(n) for n in self.sensor.film().size())
         self.bins_nm = None if bins_nm is None else np.asarray(bins_nm, dtype=np.float64)
         n_bins = 0 if self.bins_nm is None else len(self.bins_nm) - 1
@@ -224,7 +222,8 @@ class Passes:
         self._generator.set_sample_count(spp)
         self._generator.set_samples_per_wavefront(spp)
         self._generator.seed(seed, lanes)
-        return self.scene.integrator().sample(self.scene, self._generator, ray)  # type: ignore[no-any-return]
+        integrator = self.scene.integrator()
+        return integrator.sample_with_aovs(self.scene, self._generator, ray)  # type: ignore[no-any-return]
 
     def _tile(self, first: int, n: int, spp: int, half: int) -> np.ndarray:
         import drjit as dr
@@ -307,30 +306,6 @@ def _stratified(spp: int) -> int:
             break
         spp -= 1
     return spp
-
-
-def check_outside(scene: Any) -> None:
-    """Check that the first camera is in no stone, and no (convex) stone reaches into another.
-
-    Raises
-    ------
-    InputError
-        It is, or it does.
-    """
-    import mitsuba as mi
-
-    from gemrender.errors import InputError
-    from gemrender.scene.mesh import mesh_solid
-
-    stones = [(shape, solid) for shape in scene.shapes() if (solid := mesh_solid(shape)) is not None]
-    eye = np.array(scene.sensors()[0].world_transform().translation()).reshape(1, 3)
-    for shape, solid in stones:
-        if solid.holds(eye).any():
-            raise InputError("must be outside all stones", key="camera", value=f"inside {shape.id()}")
-        for other, _ in stones:
-            points = np.array(mi.traverse(other)["vertex_positions"]).reshape(-1, 3)
-            if other is not shape and solid.holds(points, margin=-_TOUCHING).any():
-                raise InputError("must not overlap", key="stones", value=f"{other.id()} in {shape.id()}")
 
 
 def check_range(low: float, high: float) -> None:

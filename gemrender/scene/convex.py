@@ -40,12 +40,15 @@ class ConvexSolid:
 
     def holds(self, points: np.ndarray, margin: float = 0.0) -> np.ndarray:
         """Return whether points (k, 3) lie inside, or less than `margin` outside, (k,) bool."""
-        inside = (points @ self.planes[:, :3].T <= self.planes[:, 3] + margin).all(axis=1)
+        return self.depth(points) >= -margin
+
+    def depth(self, points: np.ndarray) -> np.ndarray:
+        """Return how far points (k, 3) are inside, negative outside, (k,) [scene unit]."""
+        depth = (self.planes[:, 3] - points @ self.planes[:, :3].T).min(axis=1)
         if self.cylinder is not None:
-            inside &= np.abs(_radii(points, self.cylinder[:3], self.cylinder[3:6])) <= (
-                self.cylinder[6] + margin
-            )
-        return np.asarray(inside)
+            beside = _radii(points, self.cylinder[:3], self.cylinder[3:6])
+            depth = np.minimum(depth, self.cylinder[6] - beside)
+        return np.asarray(depth)
 
 
 def convex_solid(

@@ -164,6 +164,7 @@ def photoreal_scene(
         scene["integrator"]["rr_depth"] = 32
     scene |= _lights(setup, target, stock)
     scene |= _sky(setup, stock)
+    stones = tuple(p.turned(turn_deg) if turn_deg else p for p in placed)
     sweep = None
     paper = {"type": "diffuse", "reflectance": _reflectance(setup.ground.reflectance, stock)}
     if setup.ground.type == "plane":
@@ -178,11 +179,11 @@ def photoreal_scene(
         }
         sweep = (measures, {"type": "twosided", "bsdf": paper})
     elif setup.ground.type == "cup":
-        scene |= {f"cup_{k}": _cup(stone, paper) for k, stone in enumerate(placed, start=1)}
+        scene |= {f"cup_{k}": _cup(stone, paper) for k, stone in enumerate(stones, start=1)}
     surfaces = tuple(_surface(gem, first_mm, dispersion, stock) for gem in gems)
     return PhotorealScene(
         plain=scene,
-        stones=tuple(p.turned(turn_deg) if turn_deg else p for p in placed),
+        stones=stones,
         surfaces=surfaces,
         sweep=sweep,
     )
