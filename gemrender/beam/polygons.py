@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from gemrender.beam.compiled import grown, jit, jit_inner, real
-from gemrender.beam.crossing import crossing_factor, into_air, into_stone
+from gemrender.beam.crossing import crossing_factor, into_air, into_stone, is_total
 
 __all__ = ["EXITED", "GIRDLE_CELL", "N_STATE", "TRAPPED", "area", "trace_polygons"]
 
@@ -434,7 +434,7 @@ def trace_polygons(solid: Any, basis: Any, wedge: Any, rules: Any, least_area: f
             met = n_nodes
             n_nodes += 1
             nx, ny, nz, cos = planes[i, 0], planes[i, 1], planes[i, 2], ahead.slopes[i]
-            if index * index * (1.0 - real(cos) ** 2) >= 1.0:
+            if is_total(cos, index):
                 # Total reflection: the cell goes on, unless it is too small or has been on its way too long.
                 left -= real(size)
                 if real(size) < least_area or reflections >= rules.max_reflections:

@@ -19,7 +19,13 @@ from gemrender.observation import (
     REAR_RULES,
     RayStatus,
 )
-from gemrender.optics.fresnel import FRESNEL_LAWS, GUBELIN_ANGLES_DEG, GUBELIN_INDEX, GUBELIN_REFLECTED
+from gemrender.optics.fresnel import (
+    FRESNEL_LAWS,
+    GUBELIN_ANGLES_DEG,
+    GUBELIN_INDEX,
+    GUBELIN_REFLECTED,
+    LEAST_TOTAL,
+)
 from gemrender.plugins.properties import choice, number, whole_number
 from gemrender.scene.mesh import FACET_ATTRIBUTE, NORMAL_ATTRIBUTES, OFFSET_ATTRIBUTES
 from gemrender.stone.topology import GIRDLE
@@ -232,7 +238,7 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
             )
 
             sin2 = dr.square(eta) * (1 - dr.square(cos_i))
-            exits = found & (sin2 < 1)
+            exits = found & (sin2 < LEAST_TOTAL)  # is_totally_reflected, in double precision as all here
             cos_t = dr.safe_sqrt(1 - sin2)
             status[exits] = mi.UInt32(int(RayStatus.EXITED))
             facet = dr.select(exits, facet_here, facet)

@@ -25,7 +25,12 @@ import numpy as np
 import gemrender
 from gemrender.errors import InputError
 from gemrender.observation import Model, Observation, RayStatus, View
-from gemrender.optics.fresnel import GUBELIN_ANGLES_DEG, GUBELIN_REFLECTED, critical_angle_deg
+from gemrender.optics.fresnel import (
+    GUBELIN_ANGLES_DEG,
+    GUBELIN_REFLECTED,
+    LEAST_TOTAL,
+    critical_angle_deg,
+)
 from gemrender.report.dimensions import dimensions
 from gemrender.report.displays.ray_colours import RAY_COLOURS
 from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR
@@ -213,6 +218,7 @@ def topology() -> dict[str, Any]:
         "lowerTriangles": LOWER_GIRDLE_TRIANGLES.tolist(),
         "gubelinAngles": GUBELIN_ANGLES_DEG.tolist(),
         "gubelinReflected": GUBELIN_REFLECTED.tolist(),
+        "leastTotal": LEAST_TOTAL,
     }
 
 

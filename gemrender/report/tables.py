@@ -107,6 +107,9 @@ def print_crosschecks(checks: Sequence[CrossCheck], console: Console) -> None:
     console.print(scores)
     note(console, "Differences are the engine minus the reference; all but Rays in per cent.")
     note(console, "Same exit: rays with the same status and exit facet; same path: and facet sequence.")
+    note(
+        console, "Rays that are reflected more than 100 times may part; of the others 99.9 % must end alike."
+    )
     note(console, "ΔI: difference in intensity among rays with the same path.")
     for c in checks:
         for failure in c.failures:
