@@ -218,6 +218,8 @@ class Measurement:
         Share of the view that no polygon tells [%].
     seconds : float
         Time that it took [s].
+    notes : tuple of str
+        What was asked for and not reached, in words; empty where all was.
     """
 
     average: float
@@ -231,6 +233,7 @@ class Measurement:
     sizes: np.ndarray
     girdle: float
     seconds: float
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -52,7 +52,8 @@ class FacetSizes:
     number : int
         Virtual facets; the light near the girdle has none.
     near_girdle : float
-        Share of the view that comes near the girdle [%].
+        Share of the view that comes near the girdle, or was left to single rays for want of time or memory
+        [%].
     largest, median : float
         Area of the largest one, and of the middle one by size [%].
     half : int
@@ -104,6 +105,8 @@ class Score:
         of 99.9 % [%].
     facets : FacetSizes or None
         Of an exact score: number and sizes of the virtual facets.
+    notes : tuple of str
+        What was asked for and not reached, in words, such as a bound; empty where all was.
     """
 
     name: str
@@ -124,6 +127,7 @@ class Score:
     seconds: float
     bound: float | None = None
     facets: FacetSizes | None = None
+    notes: tuple[str, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """Return the score as the command line's JSON has it."""
@@ -231,6 +235,7 @@ def _exact_score(measured: Measurement, stone: Stone, view: View, model: Model, 
         seconds=seconds,
         bound=measured.bound,
         facets=_facet_sizes(measured),
+        notes=measured.notes,
         **_what_was_asked(view, model),
     )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from gemrender.beam.budget import Budget, check_limits
 from gemrender.beam.facets import FacetStatus, VirtualFacets, trace_facets
 from gemrender.beam.measure import BOUND_RANGE, check_bound, measure
 from gemrender.beam.prepare import prepare
@@ -9,10 +10,12 @@ from gemrender.beam.solid import beam_stone
 
 __all__ = [
     "BOUND_RANGE",
+    "Budget",
     "FacetStatus",
     "VirtualFacets",
     "beam_stone",
     "check_bound",
+    "check_limits",
     "measure",
     "prepare",
     "trace_facets",

@@ -16,6 +16,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from gemrender.beam.budget import no_limits
 from gemrender.beam.compiled import STEP
 from gemrender.beam.facets import LEAST_AREA, kernel_rules, trace_facets
 from gemrender.beam.measure import check_bound, facet_sums
@@ -152,7 +153,7 @@ def facet_totals(
     wedge = ready.wedge(view)
     solid = ready.solid._replace(planes=planes, values=np.ascontiguousarray(planes.real))
     rules = kernel_rules(model or Model.of(ready.stone))
-    _, _, what, values, *_ = trace_polygons(solid, view.basis(), wedge, rules, LEAST_AREA)
+    _, _, what, values, *_ = trace_polygons(solid, view.basis(), wedge, rules, LEAST_AREA, no_limits())
     areas, near = values[:, 0], what[:, 0] == GIRDLE_CELL
     return np.array(
         [areas @ values[:, 1], areas[what[:, 3] == 1].sum(), areas[~near].sum(), areas[near].sum()]
