@@ -15,7 +15,16 @@ if TYPE_CHECKING:
     from gemrender.observation import Measurement, Model, Observation, View
     from gemrender.stone import Stone
 
-__all__ = ["BAND_EDGES", "Band", "FacetSizes", "Score", "score", "score_observation", "score_pixels"]
+__all__ = [
+    "BAND_EDGES",
+    "Band",
+    "FacetSizes",
+    "Score",
+    "score",
+    "score_measurement",
+    "score_observation",
+    "score_pixels",
+]
 
 #: Lower edges of the bands of intensity [%], brightest first (`model.md`, section 1).
 BAND_EDGES = (75.0, 60.0, 45.0, 30.0, 15.0, 0.0)
@@ -144,8 +153,12 @@ def score_observation(observation: Observation) -> Score:
     """Score an observation: exactly where its engine did, else by its pixels (`score_pixels`)."""
     if observation.measured is None:
         return score_pixels(observation)
-    return _exact_score(
-        observation.measured, observation.stone, observation.view, observation.model, observation.seconds
+    return score_measurement(
+        observation.measured,
+        observation.stone,
+        observation.view,
+        observation.model,
+        seconds=observation.seconds,
     )
 
 
@@ -196,7 +209,7 @@ def score(stone: Stone, *, engine: str = DEFAULT_ENGINE, **options: Any) -> Scor
     if engine_for(engine, stone) != "exact":
         return score_observation(observe(stone, engine=engine, **options))
     measured, view, model = measure(stone, **options)
-    return _exact_score(measured, stone, view, model, measured.seconds)
+    return score_measurement(measured, stone, view, model)
 
 
 _EDGES = tuple(zip(BAND_EDGES, (None, *BAND_EDGES[:-1]), strict=True))
@@ -221,7 +234,10 @@ def _what_was_asked(view: View, model: Model) -> dict[str, Any]:
     }
 
 
-def _exact_score(measured: Measurement, stone: Stone, view: View, model: Model, seconds: float) -> Score:
+def score_measurement(
+    measured: Measurement, stone: Stone, view: View, model: Model, *, seconds: float | None = None
+) -> Score:
+    """Return a measurement as a score; its time [s] is that of the measurement, or another one."""
     return Score(
         name=stone.name,
         average=measured.average,
@@ -232,7 +248,7 @@ def _exact_score(measured: Measurement, stone: Stone, view: View, model: Model, 
         engine="exact",
         variant="",
         resolution=None,
-        seconds=seconds,
+        seconds=measured.seconds if seconds is None else seconds,
         bound=measured.bound,
         facets=_facet_sizes(measured),
         notes=measured.notes,

@@ -22,6 +22,8 @@ _COARSER, _END = 0.4, 0.6
 #: The smallest polygons that are followed on: from the one moment to the other ten times as large thrice
 #: [share of what is traced].
 _SMALL, _LARGE = 1e-7, 1e-4
+#: The smallest ones once half of the memory is taken.
+_HALF_FULL = 1e-6
 #: Lists of polygons grow by doubling, and are copied once: so many times what is in them is taken in all.
 _COPIES = 6
 #: How often the time is looked at [s].
@@ -70,8 +72,8 @@ class Budget:
 
     Attributes
     ----------
-    reached : str
-        Which limit has been met first, in words; empty if none has.
+    time_is_up, memory_is_full : str
+        Words for that.
 
     Raises
     ------
@@ -82,7 +84,8 @@ class Budget:
     def __init__(self, time_limit: float, memory_limit: float) -> None:
         self.time_limit, self.memory_limit = check_limits(time_limit, memory_limit)
         self._start = self._now()
-        self.reached = ""
+        self.time_is_up = f"the time limit of {self.time_limit:g} s was reached"
+        self.memory_is_full = f"the memory limit of {self.memory_limit:g} GiB was reached"
 
     @staticmethod
     def _now() -> tuple[float, float]:
@@ -102,18 +105,10 @@ class Budget:
         """Return the same limits, running from now."""
         return Budget(self.time_limit, self.memory_limit)
 
-    def out_of_time(self) -> None:
-        """Note down that the time was not enough."""
-        self.reached = self.reached or f"the time limit of {self.time_limit:g} s was reached"
-
-    def out_of_memory(self) -> None:
-        """Note down that the memory was not enough."""
-        self.reached = self.reached or f"the memory limit of {self.memory_limit:g} GiB was reached"
-
     @contextmanager
     def polygon_limits(self) -> Iterator[np.ndarray]:
         """Give `trace_polygons` its limits, and raise them while it runs and time passes."""
-        limits = np.array([0.0, self.memory_limit * _GIB / _COPIES, _LARGE])
+        limits = np.array([0.0, self.memory_limit * _GIB / _COPIES, _HALF_FULL])
         ended = threading.Event()
 
         def watch() -> None:

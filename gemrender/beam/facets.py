@@ -71,6 +71,8 @@ class VirtualFacets:
         Area that none of them holds: slivers thinner than rounding [girdle radius^2].
     left_over : float
         Area of the girdle cells that were made for want of time or memory [girdle radius^2].
+    why_left_over : str
+        Which of them, in words; empty where there was enough.
     wedge : (k, 2) float64
         Rows w with w . (x, y) <= 0 in the part of the view that was traced; none for all of it.
     stone, view, model
@@ -93,6 +95,7 @@ class VirtualFacets:
     covered_ends: np.ndarray
     unaccounted: float
     left_over: float
+    why_left_over: str
     wedge: np.ndarray
     stone: Stone
     view: View
@@ -211,10 +214,9 @@ def trace_facets(
     with budget.polygon_limits() if budget else nullcontext(no_limits()) as limits:
         traced = trace_polygons(ready.solid, view.basis(), wedge, kernel_rules(model), LEAST_AREA, limits)
     corners, ends, what, values, beams, nodes, covered, covered_ends, unaccounted, left_over = traced
-    if budget is not None and left_over[0] > 0:
-        budget.out_of_time()
-    if budget is not None and left_over[1] > 0:
-        budget.out_of_memory()
+    why = ""
+    if budget is not None and left_over.any():
+        why = budget.memory_is_full if left_over[1] else budget.time_is_up
     nodes[:, 1] = ready.facet[nodes[:, 1]]
     return VirtualFacets(
         corners=corners,
@@ -233,6 +235,7 @@ def trace_facets(
         covered_ends=covered_ends,
         unaccounted=unaccounted,
         left_over=float(left_over.sum()),
+        why_left_over=why,
         wedge=wedge,
         stone=ready.stone,
         view=view,

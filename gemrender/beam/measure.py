@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable
 
@@ -14,7 +13,7 @@ from gemrender.beam.near_girdle import SETS, STUDENT_T, NearGirdle, sums_by_stat
 from gemrender.beam.rays import BANDS, INTENSITY, LOST, MET, REAR, TRAPPED
 from gemrender.beam.solid import BeamStone, beam_stone
 from gemrender.errors import InputError
-from gemrender.observation import LIGHT_LEVEL, Measurement, Model, RayStatus, View
+from gemrender.observation import LIGHT_LEVEL, Measurement, Model, RayStatus, View, bound_text
 from gemrender.stone import Stone
 
 __all__ = ["BOUND_RANGE", "check_bound", "facet_sums", "measure", "measure_facets"]
@@ -125,17 +124,17 @@ def measure_facets(
         sizes=np.repeat((100.0 / area * facets.area / images)[counted], images[counted]),
         girdle=100.0 * (1.0 - told[MET] / area),
         seconds=time.perf_counter() - start,
-        notes=(*_left_over(facets, budget), *missed),
+        notes=(*_left_over(facets), *missed),
     )
     return measured, facets
 
 
-def _left_over(facets: VirtualFacets, budget: Budget | None) -> tuple[str, ...]:
+def _left_over(facets: VirtualFacets) -> tuple[str, ...]:
     """Say what polygons had to leave to rays."""
-    if budget is None or not facets.left_over:
+    if not facets.left_over:
         return ()
     share = 100.0 * facets.left_over / float(facets.area.sum())
-    return (f"virtual facets of {share:.2g} % of the view left to single rays: {budget.reached}",)
+    return (f"virtual facets of {share:.2g} % of the view left to single rays: {facets.why_left_over}",)
 
 
 def _missed(bound: float, wanted: float, unsolved: float, stopped: Budget | None) -> tuple[str, ...]:
@@ -143,18 +142,12 @@ def _missed(bound: float, wanted: float, unsolved: float, stopped: Budget | None
     if bound <= wanted:
         return ()
     if stopped is not None:
-        why = stopped.reached
+        why = stopped.time_is_up
     elif unsolved > 0.5 * wanted:
         why = f"{unsolved:.2g} % of the light was still inside after all reflections that are followed"
     else:
         why = f"no more than {SETS * _MOST_RAYS} rays are followed"
-    return (f"bound {rounded_up(bound)} instead of {wanted:g}: {why}",)
-
-
-def rounded_up(bound: float) -> str:
-    """Return a bound with two digits, never smaller than it is."""
-    step = 10.0 ** (math.floor(math.log10(bound)) - 1)
-    return f"{math.ceil(bound / step * (1 - 1e-12)) * step:.2g}"
+    return (f"bound {bound_text(bound)} instead of {wanted:g}: {why}",)
 
 
 _STATUS = np.array([RayStatus.EXITED, RayStatus.TRAPPED, RayStatus.MISSED])  # by FacetStatus

@@ -122,7 +122,6 @@ class NearGirdle:
                 if budget is not None and done:
                     last = min(last, done + self._affordable(k, done, budget))
                     if last == done:
-                        budget.out_of_time()
                         self.stopped = True
                         break
                 start = time.perf_counter()

@@ -11,6 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from gemrender.crosscheck import CrossCheck
+from gemrender.observation import bound_text
 from gemrender.score import Band, Score
 
 #: Smallest share that is told of what should be nothing at all [%].
@@ -44,7 +45,7 @@ def model_text(score: Score) -> str:
 def how_text(score: Score) -> str:
     """Say in words how a stone was scored: by how many rays and what, or exactly and how exactly."""
     if score.resolution is None:
-        return f"{score.engine}, every figure within ±{score.bound:.2g}"
+        return f"{score.engine}, every figure within ±{bound_text(score.bound or 0.0)}"
     engine = f"{score.engine} ({score.variant})" if score.variant else score.engine
     return f"{score.resolution} × {score.resolution} rays, {engine}"
 
@@ -81,6 +82,8 @@ def print_scores(scores: Sequence[Score], console: Console) -> None:
         for words, of in names.items():
             note(console, f"{words}{'' if len(names) == 1 else ': ' + ', '.join(of)}.")
     for s in scores:
+        for words in s.notes:
+            note(console, f"{s.name}: {words}.", style="yellow")
         if s.lost:
             note(console, f"{s.name}: {s.lost:.2g} % of the rays were lost to rounding.", style="yellow")
 
