@@ -5,7 +5,7 @@ from __future__ import annotations
 from gemrender.beam.budget import Budget, check_limits
 from gemrender.beam.facets import FacetStatus, VirtualFacets, trace_facets
 from gemrender.beam.measure import BOUND_RANGE, check_bound, measure
-from gemrender.beam.prepare import prepare
+from gemrender.beam.prepare import damaged_cache_files, is_compiled, prepare
 from gemrender.beam.solid import beam_stone
 
 __all__ = [
@@ -16,6 +16,8 @@ __all__ = [
     "beam_stone",
     "check_bound",
     "check_limits",
+    "damaged_cache_files",
+    "is_compiled",
     "measure",
     "prepare",
     "trace_facets",
