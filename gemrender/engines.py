@@ -277,9 +277,12 @@ def observe_alike(
     rays = sensor_rays(view, variant=variant)
     out = [by_reference(stone, view, model, rays=rays, progress=progress), by_mitsuba]
     if engine_for(AUTO, stone) == "exact":
+        from gemrender.beam import Budget
         from gemrender.beam.maps import observe as by_beams
 
-        out.append(by_beams(stone, view, model, rays=rays, bound=10.0))  # pixels are compared, not scores
+        budget = Budget(DEFAULT_TIME_LIMIT, DEFAULT_MEMORY_LIMIT)
+        # Pixels are compared, not scores.
+        out.append(by_beams(stone, view, model, rays=rays, bound=10.0, budget=budget))
     return out
 
 
