@@ -142,6 +142,7 @@ class Score:
         """Return the score as the command line's JSON has it."""
         values = asdict(self)
         values["bands"] = [{"from": b.low, "to": b.high, "share": b.share} for b in self.bands]
+        values["notes"] = list(self.notes)
         if self.facets is not None:
             values["facets"]["classes"] = [
                 {"from": low, "number": number, "share": share} for low, number, share in self.facets.classes

@@ -178,7 +178,7 @@ def test_notes_are_in_the_score_its_json_and_its_table():
     view, model = View(resolution=1), Model.of(STONE)
     told = score_measurement(measure(STONE, bound=1e-3, budget=Fixed(seconds_left=NONE)), STONE, view, model)
     assert list(told.to_dict())[-1] == "notes"
-    assert list(told.to_dict()["notes"]) == list(told.notes)
+    assert told.to_dict()["notes"] == list(told.notes)
     console = Console(width=200, file=io.StringIO())
     print_scores([told], console)
     text = console.file.getvalue()
