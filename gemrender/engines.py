@@ -15,7 +15,9 @@ __all__ = [
     "AUTO",
     "DEFAULT_BOUND",
     "DEFAULT_ENGINE",
+    "DEFAULT_MEMORY_LIMIT",
     "DEFAULT_RESOLUTION",
+    "DEFAULT_TIME_LIMIT",
     "DEFAULT_VARIANT",
     "ENGINES",
     "VARIANTS",
@@ -41,6 +43,9 @@ DEFAULT_VARIANT = "llvm_ad_mono"
 DEFAULT_RESOLUTION = 1024
 #: Error bound of exact scores [%].
 DEFAULT_BOUND = 0.05
+#: What an exact score may take before it ends with a larger bound: time [s] and memory [GiB].
+DEFAULT_TIME_LIMIT = 5.0
+DEFAULT_MEMORY_LIMIT = 1.0
 
 
 def engine_for(engine: str, stone: Stone) -> str:
@@ -65,7 +70,13 @@ def engine_for(engine: str, stone: Stone) -> str:
 
 
 def require_engine(
-    engine: str, variant: str = DEFAULT_VARIANT, *, stones: Iterable[Stone] = (), bound: float = DEFAULT_BOUND
+    engine: str,
+    variant: str = DEFAULT_VARIANT,
+    *,
+    stones: Iterable[Stone] = (),
+    bound: float = DEFAULT_BOUND,
+    time_limit: float = DEFAULT_TIME_LIMIT,
+    memory_limit: float = DEFAULT_MEMORY_LIMIT,
 ) -> None:
     """Check that an engine can trace here, before any work is done for it.
 
@@ -80,11 +91,13 @@ def require_engine(
         What is to be traced.
     bound : float
         Error bound of exact scores [%].
+    time_limit, memory_limit : float
+        What an exact score may take [s], [GiB].
 
     Raises
     ------
     InputError
-        Unknown engine or variant, a bound out of range, or a stone that the engine cannot trace.
+        Unknown engine or variant, a bound or a limit out of range, or a stone that the engine cannot trace.
     BackendError
         The engine cannot run here.
     """
@@ -105,6 +118,7 @@ def require_engine(
     if "exact" in needed:
         beam = _beam()
         beam.check_bound(bound)
+        beam.check_limits(time_limit, memory_limit)
         for stone in stones:
             if engine_for(engine, stone) == "exact":
                 beam.beam_stone(stone)
@@ -124,6 +138,8 @@ def observe(
     tilt_azimuth_deg: float = 0.0,
     bound: float = DEFAULT_BOUND,
     seed: int = 1,
+    time_limit: float = DEFAULT_TIME_LIMIT,
+    memory_limit: float = DEFAULT_MEMORY_LIMIT,
     progress: Callable[[float], None] | None = None,
 ) -> Observation:
     """Trace a stone's top view and return the maps behind its score.
@@ -149,6 +165,10 @@ def observe(
     bound, seed : float, int
         For exact scores their error bound [%], and the seed of the rays near the girdle; the other engines
         make no use of them.
+    time_limit, memory_limit : float
+        What an exact score may take [s] (0.1 to 86400) and [GiB] (0.125 to 1024). Past them it ends with a
+        larger bound, and a note that says so. Polygons get three fifths of the time, those of maps as much
+        again. The other engines make no use of them.
     progress : callable, optional
         Called with the share done, 0 to 1.
 
@@ -160,12 +180,16 @@ def observe(
         The engine cannot run here.
     """
     view, model = _asked(stone, resolution, fresnel, rear, intensity, tilt_deg, tilt_azimuth_deg)
-    require_engine(engine, variant, stones=[stone], bound=bound)
+    require_engine(
+        engine, variant, stones=[stone], bound=bound, time_limit=time_limit, memory_limit=memory_limit
+    )
     used = engine_for(engine, stone)
     if used == "exact":
+        from gemrender.beam import Budget
         from gemrender.beam.maps import observe as by_beams
 
-        return by_beams(stone, view, model, bound=bound, seed=seed, progress=progress)
+        budget = Budget(time_limit, memory_limit)
+        return by_beams(stone, view, model, bound=bound, seed=seed, progress=progress, budget=budget)
     if used == "reference":
         from gemrender.reference import observe as by_reference
 
@@ -187,6 +211,8 @@ def measure(
     tilt_azimuth_deg: float = 0.0,
     bound: float = DEFAULT_BOUND,
     seed: int = 1,
+    time_limit: float = DEFAULT_TIME_LIMIT,
+    memory_limit: float = DEFAULT_MEMORY_LIMIT,
     progress: Callable[[float], None] | None = None,
 ) -> tuple[Measurement, View, Model]:
     """Score a stone by the exact engine without maps, which cost more than the score.
@@ -199,10 +225,17 @@ def measure(
         What was measured, from where, and by which model.
     """
     view, model = _asked(stone, resolution, fresnel, rear, intensity, tilt_deg, tilt_azimuth_deg)
-    require_engine("exact", variant, stones=[stone], bound=bound)
+    require_engine(
+        "exact", variant, stones=[stone], bound=bound, time_limit=time_limit, memory_limit=memory_limit
+    )
+    from gemrender.beam import Budget
     from gemrender.beam import measure as by_beams
 
-    return by_beams(stone, view=view, model=model, bound=bound, seed=seed, progress=progress), view, model
+    measured = by_beams(
+        stone, view=view, model=model, bound=bound, seed=seed, progress=progress,
+        budget=Budget(time_limit, memory_limit),
+    )  # fmt: skip
+    return measured, view, model
 
 
 def _asked(
@@ -244,9 +277,12 @@ def observe_alike(
     rays = sensor_rays(view, variant=variant)
     out = [by_reference(stone, view, model, rays=rays, progress=progress), by_mitsuba]
     if engine_for(AUTO, stone) == "exact":
+        from gemrender.beam import Budget
         from gemrender.beam.maps import observe as by_beams
 
-        out.append(by_beams(stone, view, model, rays=rays))
+        budget = Budget(DEFAULT_TIME_LIMIT, DEFAULT_MEMORY_LIMIT)
+        # Pixels are compared, not scores.
+        out.append(by_beams(stone, view, model, rays=rays, bound=10.0, budget=budget))
     return out
 
 

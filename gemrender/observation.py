@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from enum import IntEnum
 
@@ -25,6 +26,7 @@ __all__ = [
     "Observation",
     "RayStatus",
     "View",
+    "bound_text",
 ]
 
 #: Rear light by where it came in (the paper: z <= 0), or by the direction it came from.
@@ -218,6 +220,8 @@ class Measurement:
         Share of the view that no polygon tells [%].
     seconds : float
         Time that it took [s].
+    notes : tuple of str
+        What was asked for and not reached, in words; empty where all was.
     """
 
     average: float
@@ -231,6 +235,7 @@ class Measurement:
     sizes: np.ndarray
     girdle: float
     seconds: float
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -290,6 +295,19 @@ class Observation:
             array = getattr(self, name)
             if array.shape[:2] != self.view.shape:
                 raise ValueError(f"{name} must have shape {self.view.shape}, got {array.shape}")
+
+
+#: Bounds are not told more closely [%].
+_LEAST_BOUND = 1e-4
+
+
+def bound_text(bound: float) -> str:
+    """Return an error bound [%] in words: with two digits, rounded up, so that what is stated is true."""
+    bound = max(bound, _LEAST_BOUND)
+    decimals = 1 - math.floor(math.log10(bound))
+    step = 10.0**-decimals
+    rounded = math.ceil(bound / step * (1.0 - 1e-12)) * step
+    return f"{rounded:.{max(decimals, 0)}f}".rstrip("0").rstrip(".") if decimals > 0 else f"{rounded:.0f}"
 
 
 #: Type of each map of an Observation.

@@ -15,7 +15,16 @@ if TYPE_CHECKING:
     from gemrender.observation import Measurement, Model, Observation, View
     from gemrender.stone import Stone
 
-__all__ = ["BAND_EDGES", "Band", "FacetSizes", "Score", "score", "score_observation", "score_pixels"]
+__all__ = [
+    "BAND_EDGES",
+    "Band",
+    "FacetSizes",
+    "Score",
+    "score",
+    "score_measurement",
+    "score_observation",
+    "score_pixels",
+]
 
 #: Lower edges of the bands of intensity [%], brightest first (`model.md`, section 1).
 BAND_EDGES = (75.0, 60.0, 45.0, 30.0, 15.0, 0.0)
@@ -52,7 +61,8 @@ class FacetSizes:
     number : int
         Virtual facets; the light near the girdle has none.
     near_girdle : float
-        Share of the view that comes near the girdle [%].
+        Share of the view that comes near the girdle, or was left to single rays for want of time or memory
+        [%].
     largest, median : float
         Area of the largest one, and of the middle one by size [%].
     half : int
@@ -104,6 +114,8 @@ class Score:
         of 99.9 % [%].
     facets : FacetSizes or None
         Of an exact score: number and sizes of the virtual facets.
+    notes : tuple of str
+        What was asked for and not reached, in words, such as a bound; empty where all was.
     """
 
     name: str
@@ -124,11 +136,13 @@ class Score:
     seconds: float
     bound: float | None = None
     facets: FacetSizes | None = None
+    notes: tuple[str, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """Return the score as the command line's JSON has it."""
         values = asdict(self)
         values["bands"] = [{"from": b.low, "to": b.high, "share": b.share} for b in self.bands]
+        values["notes"] = list(self.notes)
         if self.facets is not None:
             values["facets"]["classes"] = [
                 {"from": low, "number": number, "share": share} for low, number, share in self.facets.classes
@@ -140,8 +154,12 @@ def score_observation(observation: Observation) -> Score:
     """Score an observation: exactly where its engine did, else by its pixels (`score_pixels`)."""
     if observation.measured is None:
         return score_pixels(observation)
-    return _exact_score(
-        observation.measured, observation.stone, observation.view, observation.model, observation.seconds
+    return score_measurement(
+        observation.measured,
+        observation.stone,
+        observation.view,
+        observation.model,
+        seconds=observation.seconds,
     )
 
 
@@ -192,7 +210,7 @@ def score(stone: Stone, *, engine: str = DEFAULT_ENGINE, **options: Any) -> Scor
     if engine_for(engine, stone) != "exact":
         return score_observation(observe(stone, engine=engine, **options))
     measured, view, model = measure(stone, **options)
-    return _exact_score(measured, stone, view, model, measured.seconds)
+    return score_measurement(measured, stone, view, model)
 
 
 _EDGES = tuple(zip(BAND_EDGES, (None, *BAND_EDGES[:-1]), strict=True))
@@ -217,7 +235,10 @@ def _what_was_asked(view: View, model: Model) -> dict[str, Any]:
     }
 
 
-def _exact_score(measured: Measurement, stone: Stone, view: View, model: Model, seconds: float) -> Score:
+def score_measurement(
+    measured: Measurement, stone: Stone, view: View, model: Model, *, seconds: float | None = None
+) -> Score:
+    """Return a measurement as a score; its time [s] is that of the measurement, or another one."""
     return Score(
         name=stone.name,
         average=measured.average,
@@ -228,9 +249,10 @@ def _exact_score(measured: Measurement, stone: Stone, view: View, model: Model, 
         engine="exact",
         variant="",
         resolution=None,
-        seconds=seconds,
+        seconds=measured.seconds if seconds is None else seconds,
         bound=measured.bound,
         facets=_facet_sizes(measured),
+        notes=measured.notes,
         **_what_was_asked(view, model),
     )
 

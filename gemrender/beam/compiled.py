@@ -4,13 +4,13 @@ The polygons' kernel is written once and compiled twice, for float64 and for com
 number's imaginary part is `STEP` times its derivative by a parameter: the complex step (Squire & Trapp, SIAM
 Review 40, 110 (1998)), exact to rounding because nothing is subtracted. Decisions look at real parts only.
 
-For who changes a kernel: numba compiles a function anew when its own file has changed, not when one that it
-calls has. Remove `gemrender/beam/__pycache__` after a change of a function that others call.
+For who changes a kernel: all of them are compiled anew when any file of this folder has changed (`cache`).
 """
 
 from __future__ import annotations
 
 import cmath
+import contextlib
 import math
 from collections.abc import Callable
 from typing import Any
@@ -19,6 +19,8 @@ import numba
 import numpy as np
 from numba.core import types
 from numba.extending import overload
+
+from gemrender.beam.cache import KernelCache
 
 __all__ = ["STEP", "angle_deg", "grown", "jit", "jit_fast", "jit_inner", "real", "root"]
 
@@ -47,11 +49,10 @@ def jit_fast(function: Callable[..., Any]) -> Any:
 
 
 def _compile(function: Callable[..., Any], **more: Any) -> Any:
-    options: dict[str, Any] = {"nogil": True, "error_model": "numpy", **more}
-    try:
-        return numba.njit(cache=True, **options)(function)
-    except (RuntimeError, OSError):  # numba finds no folder that its cache can be written to
-        return numba.njit(**options)(function)
+    kernel = numba.njit(nogil=True, error_model="numpy", **more)(function)
+    with contextlib.suppress(RuntimeError, OSError):  # no folder that a cache can be written to
+        kernel._cache = KernelCache(function)
+    return kernel
 
 
 def real(x: Any) -> Any:

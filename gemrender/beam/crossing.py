@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from gemrender.beam.compiled import angle_deg, jit, real, root
-from gemrender.optics.fresnel import GUBELIN_ANGLES_DEG, GUBELIN_REFLECTED
+from gemrender.optics.fresnel import GUBELIN_ANGLES_DEG, GUBELIN_REFLECTED, LEAST_TOTAL
 
-__all__ = ["EXACT", "GUBELIN", "crossing_factor", "into_air", "into_stone", "transmittance"]
+__all__ = ["EXACT", "GUBELIN", "crossing_factor", "into_air", "into_stone", "is_total", "transmittance"]
 
 EXACT, GUBELIN = 0, 1
 
@@ -27,6 +27,13 @@ def transmittance(cos_air: Any, index: float, law: int) -> Any:
     r_s = (cos_air - index * cos_stone) / (cos_air + index * cos_stone)
     r_p = (index * cos_air - cos_stone) / (index * cos_air + cos_stone)
     return 1.0 - 0.5 * (r_s * r_s + r_p * r_p)
+
+
+@jit
+def is_total(cos_stone: Any, index: float) -> bool:
+    """Return whether a surface reflects all light: `gemrender.optics.fresnel.is_totally_reflected`."""
+    cos = real(cos_stone)
+    return bool(index * index * (1.0 - cos * cos) >= LEAST_TOTAL)
 
 
 @jit

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any
 
 import numpy as np
 
+from gemrender.beam.budget import Budget, no_limits
 from gemrender.beam.compiled import jit
 from gemrender.beam.crossing import EXACT, GUBELIN
 from gemrender.beam.polygons import EXITED, GIRDLE_CELL, TRAPPED, trace_polygons
@@ -30,7 +32,8 @@ class FacetStatus(IntEnum):
 
     EXITED = EXITED  #: it left the stone: here the light came in
     TRAPPED = TRAPPED  #: still inside after the largest number of reflections, or too narrow
-    GIRDLE = GIRDLE_CELL  #: it comes near the curved girdle, where beams part: no polygon tells the rest
+    #: It comes near the curved girdle, where beams part, or the budget was spent: no polygon tells the rest.
+    GIRDLE = GIRDLE_CELL
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -66,6 +69,10 @@ class VirtualFacets:
         Outlines of the facets in the view as far as polygons tell them, for each plane where they end.
     unaccounted : float
         Area that none of them holds: slivers thinner than rounding [girdle radius^2].
+    left_over : float
+        Area of the girdle cells that were made for want of time or memory [girdle radius^2].
+    why_left_over : str
+        Which of them, in words; empty where there was enough.
     wedge : (k, 2) float64
         Rows w with w . (x, y) <= 0 in the part of the view that was traced; none for all of it.
     stone, view, model
@@ -87,6 +94,8 @@ class VirtualFacets:
     covered: np.ndarray
     covered_ends: np.ndarray
     unaccounted: float
+    left_over: float
+    why_left_over: str
     wedge: np.ndarray
     stone: Stone
     view: View
@@ -170,7 +179,12 @@ def kernel_rules(model: Model) -> Rules:
 
 
 def trace_facets(
-    stone: Stone | BeamStone, *, view: View | None = None, model: Model | None = None, whole: bool = True
+    stone: Stone | BeamStone,
+    *,
+    view: View | None = None,
+    model: Model | None = None,
+    whole: bool = True,
+    budget: Budget | None = None,
 ) -> VirtualFacets:
     """Cut a view of a convex stone into its virtual facets.
 
@@ -184,6 +198,9 @@ def trace_facets(
         The optical model; by default that of the stone's material.
     whole : bool
         Whether to trace the whole view, or, of a symmetric stone from straight above, a sixteenth.
+    budget : Budget, optional
+        Time and memory to keep to: what is not followed to its end within them becomes girdle cells. Without
+        one there are no limits, and a few stones of a high index take minutes and gigabytes.
 
     Raises
     ------
@@ -194,9 +211,12 @@ def trace_facets(
     view = view or View(resolution=1)
     model = model or Model.of(ready.stone)
     wedge = NO_WEDGE if whole else ready.wedge(view)
-    corners, ends, what, values, beams, nodes, covered, covered_ends, unaccounted = trace_polygons(
-        ready.solid, view.basis(), wedge, kernel_rules(model), LEAST_AREA
-    )
+    with budget.polygon_limits() if budget else nullcontext(no_limits()) as limits:
+        traced = trace_polygons(ready.solid, view.basis(), wedge, kernel_rules(model), LEAST_AREA, limits)
+    corners, ends, what, values, beams, nodes, covered, covered_ends, unaccounted, left_over = traced
+    why = ""
+    if budget is not None and left_over.any():
+        why = budget.memory_is_full if left_over[1] else budget.time_is_up
     nodes[:, 1] = ready.facet[nodes[:, 1]]
     return VirtualFacets(
         corners=corners,
@@ -214,6 +234,8 @@ def trace_facets(
         covered=covered,
         covered_ends=covered_ends,
         unaccounted=unaccounted,
+        left_over=float(left_over.sum()),
+        why_left_over=why,
         wedge=wedge,
         stone=ready.stone,
         view=view,

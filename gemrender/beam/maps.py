@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from gemrender.beam.budget import Budget
 from gemrender.beam.compiled import jit
 from gemrender.beam.facets import FacetStatus, VirtualFacets, kernel_rules, trace_facets
-from gemrender.beam.measure import measure
+from gemrender.beam.measure import measure_facets
 from gemrender.beam.rays import trace_rays
 from gemrender.beam.solid import BeamStone, beam_stone
 from gemrender.observation import (
@@ -42,6 +43,7 @@ def observe(
     seed: int = 1,
     rays: tuple[np.ndarray, np.ndarray] | None = None,
     progress: Callable[[float], None] | None = None,
+    budget: Budget | None = None,
 ) -> Observation:
     """Tell of the ray through the centre of every pixel what becomes of it, and score the view exactly.
 
@@ -60,6 +62,9 @@ def observe(
         comparing with another tracer.
     progress : callable, optional
         Called with the share done, 0 to 1.
+    budget : Budget, optional
+        Time and memory that the scores keep to, and once more the polygons of the maps; what they cannot tell
+        of the pixels, single rays do.
 
     Raises
     ------
@@ -68,8 +73,11 @@ def observe(
     """
     start = time.perf_counter()
     ready = stone if isinstance(stone, BeamStone) else beam_stone(stone)
-    measured = measure(ready, view=view, model=model, bound=bound, seed=seed, progress=progress)
-    facets = trace_facets(ready, view=view, model=model)
+    measured, facets = measure_facets(
+        ready, view=view, model=model, bound=bound, seed=seed, progress=progress, budget=budget
+    )
+    if facets.parts > 1:
+        facets = trace_facets(ready, view=view, model=model, budget=budget.anew() if budget else None)
     right, up, _ = view.basis()
     x, y = view.cell_centres()
     maps = _empty_maps(view)
@@ -157,18 +165,25 @@ def _empty_maps(view: View) -> dict[str, Any]:
 
 def _tables(facets: VirtualFacets) -> tuple[np.ndarray, ...]:
     """Return what `_fill` needs of each virtual facet."""
-    first = np.empty(len(facets.nodes), dtype=np.int64)
-    code = np.empty(len(facets.nodes), dtype=np.int64)
-    for node, (parent, facet) in enumerate(facets.nodes):  # parents come first
-        first[node] = facet if parent < 0 else first[parent]
-        before = 0 if parent < 0 else code[parent]
-        code[node] = (before * PATH_CODE_FACTOR + facet + 1) & PATH_CODE_MASK
+    first, code = _from_the_eye(facets.nodes)
     end = facets.node
     left = facets.status == FacetStatus.EXITED
     status = np.where(left, int(RayStatus.EXITED), int(RayStatus.TRAPPED))
     exit_facet = np.where(left, facets.nodes[end, 1], -1)
     numbers = np.stack([status, facets.reflections, first[end], exit_facet, code[end]], axis=1)
     return facets.primary_intensity, facets.rear_mask, numbers, facets.exit_map, facets.exit_direction
+
+
+@jit
+def _from_the_eye(nodes: Any) -> Any:
+    """Return the first facet, and the code, of the path to each node (k, 2)."""
+    first, code = np.empty(len(nodes), np.int64), np.empty(len(nodes), np.int64)
+    for node in range(len(nodes)):  # parents come first
+        parent, facet = nodes[node]
+        first[node] = facet if parent < 0 else first[parent]
+        before = 0 if parent < 0 else code[parent]
+        code[node] = (before * PATH_CODE_FACTOR + facet + 1) & PATH_CODE_MASK
+    return first, code
 
 
 @jit

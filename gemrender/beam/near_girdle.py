@@ -8,12 +8,14 @@ So each set gives an unbiased score, and their scatter the error.
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Protocol
 
 import numpy as np
 
+from gemrender.beam.budget import Budget
 from gemrender.beam.facets import FacetStatus, VirtualFacets, kernel_rules
 from gemrender.beam.rays import (
     BAND_EDGES,
@@ -67,6 +69,8 @@ class NearGirdle:
         What each set has found in the girdle cells and on the rim; areas [girdle radius^2].
     rays : int
         Rays followed so far.
+    stopped : bool
+        Whether there was no time for the rays that were asked for.
     view_area : float
         Area of the traced part of the view [girdle radius^2].
     cell_area : float
@@ -78,7 +82,9 @@ class NearGirdle:
     def __init__(self, ready: BeamStone, facets: VirtualFacets, seed: int) -> None:
         self._ready, self._basis, self._rules = ready, facets.view.basis(), kernel_rules(facets.model)
         self._shifts = np.random.default_rng(seed).random((SETS, 2, 2))
+        self.stopped = False
         self.sums, self.rays, self._done = np.zeros((SETS, 2, N_SUMS)), 0, [0, 0]
+        self._seconds = [0.0, 0.0]
         cells = _Cells(facets)
         self._regions: tuple[_Region, _Region] = (cells, _Rim(facets))
         self.cell_area = cells.area
@@ -97,20 +103,41 @@ class NearGirdle:
         )
         return cells, rim
 
-    def go_on(self, numbers: tuple[int, int], progress: Callable[[float], None] | None = None) -> None:
-        """Go on until each set has so many rays in the girdle cells and on the rim."""
+    def go_on(
+        self,
+        numbers: tuple[int, int],
+        progress: Callable[[float], None] | None = None,
+        budget: Budget | None = None,
+    ) -> None:
+        """Go on until each set has so many rays in the girdle cells and on the rim, or time is up."""
         for k, region in enumerate(self._regions):
-            if (self.cell_area, self.rim_area)[k] == 0:  # nowhere to put them
+            done = self._done[k]
+            if (self.cell_area, self.rim_area)[k] == 0 or done >= numbers[
+                k
+            ]:  # nowhere to put them, or enough
                 continue
-            total = self.sums[:, k] * self._done[k]
-            for first in range(self._done[k], numbers[k], _BLOCK):
-                last = min(first + _BLOCK, numbers[k])
-                steps = np.arange(first + 1, last + 1)[:, None] * _STEPS
-                total += (last - first) * self._trace(region, (self._shifts[:, k, None] + steps) % 1.0)
+            total = self.sums[:, k] * done
+            while done < numbers[k]:
+                last = min(done + _BLOCK, numbers[k])
+                if budget is not None and done:
+                    last = min(last, done + self._affordable(k, done, budget))
+                    if last == done:
+                        self.stopped = True
+                        break
+                start = time.perf_counter()
+                steps = np.arange(done + 1, last + 1)[:, None] * _STEPS
+                total += (last - done) * self._trace(region, (self._shifts[:, k, None] + steps) % 1.0)
+                self._seconds[k] += time.perf_counter() - start
+                done = last
                 if progress is not None:
-                    progress(last / numbers[k])
-            self.sums[:, k] = total / max(numbers[k], 1)
-        self._done = list(numbers)
+                    progress(done / numbers[k])
+            self.sums[:, k] = total / max(done, 1)
+            self._done[k] = done
+
+    def _affordable(self, k: int, done: int, budget: Budget) -> int:
+        """Return how many more rays of each set there is time for; 0 if too few to be worth it."""
+        more = int(done * max(budget.left, 0.0) / self._seconds[k])
+        return more if more >= _FEWEST else 0
 
     def _trace(self, region: _Region, unit: np.ndarray) -> np.ndarray:
         """Follow the rays of all sets through points of the unit square (SETS, n, 2); (SETS, N_SUMS)."""
@@ -162,11 +189,12 @@ class _Cells:
     """The girdle cells, as triangles one after the other."""
 
     def __init__(self, facets: VirtualFacets) -> None:
-        fans = []
-        for i in np.flatnonzero(facets.status == FacetStatus.GIRDLE):
-            polygon = facets.polygon(int(i))
-            fans += [(polygon[0], polygon[k], polygon[k + 1]) for k in range(1, len(polygon) - 1)]
-        self._triangles = np.array(fans).reshape(-1, 3, 2)
+        cells = facets.status == FacetStatus.GIRDLE
+        first, number = facets.starts[cells], (facets.ends - facets.starts)[cells] - 2
+        # Of each cell a fan of triangles about its first corner.
+        apex = np.repeat(first, number)
+        second = apex + 1 + np.arange(len(apex)) - np.repeat(np.cumsum(number) - number, number)
+        self._triangles = facets.corners[np.stack([apex, second, second + 1], axis=1)]
         a, b = (self._triangles[:, k] - self._triangles[:, 0] for k in (1, 2))
         self._upto = np.cumsum(0.5 * np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]))
         self.area = float(self._upto[-1]) if len(self._upto) else 0.0

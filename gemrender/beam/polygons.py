@@ -7,7 +7,8 @@ reflection sends the cell on, below the critical angle it is done, cut once more
 
 The girdle is curved. Before it stand upright planes inside the stone, its `walls`: a cell that meets one is
 given out as a girdle cell, for single rays (`rays`) to follow, and no other polygon ever comes near the
-girdle.
+girdle. Where a stone makes more polygons than time and memory allow (`budget`), those that wait are given out
+likewise.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from gemrender.beam.compiled import grown, jit, jit_inner, real
-from gemrender.beam.crossing import crossing_factor, into_air, into_stone
+from gemrender.beam.crossing import crossing_factor, into_air, into_stone, is_total
 
 __all__ = ["EXITED", "GIRDLE_CELL", "N_STATE", "TRAPPED", "area", "trace_polygons"]
 
@@ -33,6 +34,8 @@ _MOST_CORNERS = 64
 _SQUARE = 8.0
 #: Polygons thinner than rounding have no inside: an area below this [girdle radius^2] is passed over.
 _NO_AREA = 1e-17
+#: What the lists hold of each [bytes]: of a node, of a corner, and of a polygon besides.
+_NODE_BYTES, _CORNER_BYTES, _POLYGON_BYTES = 16, 16, 8 * (1 + 4 + 5 + N_STATE)
 
 
 @jit
@@ -294,7 +297,7 @@ def _part_at_ground(polygon: Any, n: int, state: Any, below: bool, out: Any) -> 
 
 
 @jit
-def trace_polygons(solid: Any, basis: Any, wedge: Any, rules: Any, least_area: float) -> Any:
+def trace_polygons(solid: Any, basis: Any, wedge: Any, rules: Any, least_area: float, limits: Any) -> Any:
     """Cut the view into polygons, and follow each until it leaves the stone.
 
     Parameters
@@ -309,6 +312,10 @@ def trace_polygons(solid: Any, basis: Any, wedge: Any, rules: Any, least_area: f
         The model.
     least_area : float
         A beam of a smaller area is trapped [girdle radius^2].
+    limits : (3,) float64
+        Polygons smaller than the first [share of what is traced] are not followed on, but given out as girdle
+        cells; once the lists hold half of the second [bytes] those smaller than the third, and once they hold
+        all of it all. May change while this runs.
 
     Returns
     -------
@@ -328,6 +335,8 @@ def trace_polygons(solid: Any, basis: Any, wedge: Any, rules: Any, least_area: f
         Outline of each plane in the view, as far as the rim, and where its corners end.
     unaccounted : float
         Area that no polygon holds: slivers thinner than rounding [girdle radius^2].
+    left_over : (2,) float64
+        Area of girdle cells that the limits have made, by the first and by the second one [girdle radius^2].
     """
     planes, walls, index = solid.planes, solid.walls, rules.refractive_index
     p, kind = planes.shape[0], planes.dtype
@@ -350,7 +359,7 @@ def trace_polygons(solid: Any, basis: Any, wedge: Any, rules: Any, least_area: f
     polygon, beam = np.empty((_MOST_CORNERS, 2), kind), np.empty(N_STATE, kind)
     state, direction = np.empty(N_STATE, kind), np.empty(3, kind)
     zero = planes[0, 0] * 0.0
-    unaccounted = 0.0
+    seen, unaccounted, left_over = 0.0, 0.0, np.zeros(2)
     inner = walls[0, 2]
     for w in range(walls.shape[0]):
         inner = min(inner, walls[w, 2])
@@ -367,6 +376,7 @@ def trace_polygons(solid: Any, basis: Any, wedge: Any, rules: Any, least_area: f
         n = _outline(i, state, solid, wedge, cell, part)
         if n == 0 or real(area(cell, n)) < _NO_AREA:
             continue
+        seen += real(area(cell, n))
         while n_covered + n > covered.shape[0]:
             covered = grown(covered)
         _copy(cell, n, covered[n_covered:])
@@ -391,6 +401,25 @@ def trace_polygons(solid: Any, basis: Any, wedge: Any, rules: Any, least_area: f
             beam[k] = waiting.beams[top, k]
         dx, dy, dz = beam[9], beam[10], beam[11]
         left = real(area(polygon, n))
+        held = _NODE_BYTES * n_nodes + _CORNER_BYTES * found.counts[0] + _POLYGON_BYTES * found.counts[1]
+        too_many = held > limits[1] or (held > 0.5 * limits[1] and left < limits[2] * seen)
+        if left < limits[0] * seen or too_many:
+            left_over[1 if too_many else 0] += left
+            direction[0] = direction[1] = direction[2] = zero
+            found = _store(
+                found,
+                polygon,
+                n,
+                area(polygon, n),
+                GIRDLE_CELL,
+                node,
+                reflections,
+                False,
+                zero,
+                direction,
+                beam,
+            )
+            continue
         count = _look_ahead(planes, beam, polygon, n, ahead)
         for c in range(count):
             i = ahead.candidates[c]
@@ -434,7 +463,7 @@ def trace_polygons(solid: Any, basis: Any, wedge: Any, rules: Any, least_area: f
             met = n_nodes
             n_nodes += 1
             nx, ny, nz, cos = planes[i, 0], planes[i, 1], planes[i, 2], ahead.slopes[i]
-            if index * index * (1.0 - real(cos) ** 2) >= 1.0:
+            if is_total(cos, index):
                 # Total reflection: the cell goes on, unless it is too small or has been on its way too long.
                 left -= real(size)
                 if real(size) < least_area or reflections >= rules.max_reflections:
@@ -471,5 +500,5 @@ def trace_polygons(solid: Any, basis: Any, wedge: Any, rules: Any, least_area: f
     corners, m = found.counts[0], found.counts[1]
     return (
         found.corners[:corners], found.ends[:m], found.what[:m], found.values[:m], found.states[:m],
-        nodes[:n_nodes], covered[:n_covered], covered_ends, unaccounted,
+        nodes[:n_nodes], covered[:n_covered], covered_ends, unaccounted, left_over,
     )  # fmt: skip

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from gemrender.beam.compiled import jit, jit_fast, jit_inner
-from gemrender.beam.crossing import crossing_factor, into_air, into_stone
+from gemrender.beam.crossing import crossing_factor, into_air, into_stone, is_total
 from gemrender.beam.wall import is_outside, wall_crossing, wall_normal
 from gemrender.observation import PATH_CODE_FACTOR, PATH_CODE_MASK, RayStatus
 
@@ -142,7 +142,7 @@ def _follow(u: float, v: float, basis: Any, solid: Any, facet: Any, rules: Any, 
         else:
             nx, ny, nz = wall_normal(solid.wall, ox, oy, oz)
         cos = dx * nx + dy * ny + dz * nz
-        if rules.refractive_index * rules.refractive_index * (1.0 - cos * cos) < 1.0:
+        if not is_total(cos, rules.refractive_index):
             dx, dy, dz, cos_air, cos_stone = into_air(dx, dy, dz, nx, ny, nz, rules.refractive_index)
             rear = (oz if rules.rear_by_position else dz) <= 0.0
             intensity = 0.0

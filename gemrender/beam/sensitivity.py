@@ -16,6 +16,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from gemrender.beam.budget import Budget, no_limits
 from gemrender.beam.compiled import STEP
 from gemrender.beam.facets import LEAST_AREA, kernel_rules, trace_facets
 from gemrender.beam.measure import check_bound, facet_sums
@@ -43,6 +44,11 @@ __all__ = [
 PROPORTIONS = (
     "table", "star", "lower_girdle_contact", "crown_height", "pavilion_depth", "girdle_thickness"
 )  # fmt: skip
+
+#: What derivatives may take by default: time [s] and memory [GiB].
+TIME_LIMIT, MEMORY_LIMIT = 30.0, 1.0
+#: In one round of rays polygons are traced so many times; a budget lets them run for 0.4 of its time.
+_TRACES = 12
 
 #: Steps of the difference quotient near the girdle [%]; a smaller one is taken where the girdle cells are not
 #: the same ones on both sides, told by their area, which may differ by this share from what it should be.
@@ -152,7 +158,7 @@ def facet_totals(
     wedge = ready.wedge(view)
     solid = ready.solid._replace(planes=planes, values=np.ascontiguousarray(planes.real))
     rules = kernel_rules(model or Model.of(ready.stone))
-    _, _, what, values, *_ = trace_polygons(solid, view.basis(), wedge, rules, LEAST_AREA)
+    _, _, what, values, *_ = trace_polygons(solid, view.basis(), wedge, rules, LEAST_AREA, no_limits())
     areas, near = values[:, 0], what[:, 0] == GIRDLE_CELL
     return np.array(
         [areas @ values[:, 1], areas[what[:, 3] == 1].sum(), areas[~near].sum(), areas[near].sum()]
@@ -182,6 +188,8 @@ def sensitivity(
     model: Model | None = None,
     seed: int = 1,
     bound: float = 0.2,
+    time_limit: float = TIME_LIMIT,
+    memory_limit: float = MEMORY_LIMIT,
     progress: Callable[[float], None] | None = None,
 ) -> Sensitivity:
     """Differentiate a stone's Average and Rear by each of its proportions and angles.
@@ -199,23 +207,28 @@ def sensitivity(
         Seed of the rays near the girdle.
     bound : float
         Wanted bound of every derivative [% per unit]. Rays near the girdle are added until it is reached, but
-        no more than 8192 of each of the sixteen sets.
+        no more than 8192 of each of the sixteen sets, and none that time is not left for.
+    time_limit, memory_limit : float
+        What it may take [s], [GiB].
     progress : callable, optional
         Called with the share done, 0 to 1.
 
     Raises
     ------
     InputError
-        The stone was not made from proportions, or the bound is out of range.
+        The stone was not made from proportions, the bound or a limit is out of range, or the stone falls into
+        more virtual facets than can be differentiated within the limits.
     """
     start = time.perf_counter()
     check_differentiable(stone)
     assert stone.proportions is not None
     wanted = check_bound(bound)
     view, model = view or View(resolution=1), model or Model.of(stone)
+    whole = Budget(time_limit, memory_limit)
     rays = _RAYS
     while True:
-        base = _Scored(stone, view, model, seed, rays)
+        before = whole.seconds
+        base = _Scored(stone, view, model, seed, rays, budget=Budget(time_limit / _TRACES, memory_limit))
         slopes = {}
         for done, parameter in enumerate(PROPORTIONS, start=1):
             slopes[parameter] = _slope(base, parameter, seed)
@@ -223,7 +236,7 @@ def sensitivity(
                 progress(done / len(PROPORTIONS))
         derivatives = _derivatives(stone.proportions, slopes)
         reached = max(max(d.average_bound, d.rear_bound) for d in derivatives)
-        if reached <= wanted or rays >= _MOST_RAYS:
+        if reached <= wanted or rays >= _MOST_RAYS or _MORE * (whole.seconds - before) > whole.left:
             break
         rays *= _MORE
     average, rear = base.scores().mean(axis=0)
@@ -254,10 +267,16 @@ class _Scored:
         seed: int,
         rays: int,
         numbers: tuple[int, int] | None = None,
+        budget: Budget | None = None,
     ) -> None:
         self.stone, self.view, self.model = stone, view, model
         self.ready = beam_stone(stone)
-        facets = trace_facets(self.ready, view=view, model=model, whole=False)
+        facets = trace_facets(self.ready, view=view, model=model, whole=False, budget=budget)
+        if facets.left_over:
+            raise InputError(
+                f"falls into more virtual facets than can be differentiated: {facets.why_left_over}",
+                source=stone.source or stone.name,
+            )
         self.told, near = facet_sums(facets), NearGirdle(self.ready, facets, seed)
         self.numbers = numbers or near.numbers(rays)
         near.go_on(self.numbers)

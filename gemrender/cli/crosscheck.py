@@ -59,7 +59,8 @@ def crosscheck(
         raise InputError("missing: name stones, or ask for some by --random", key="STONE")
     ensure_variant(variant)
     prepare_engine(options, loaded)
-    del options["engine"]
+    for key in ("engine", "time_limit", "memory_limit"):
+        del options[key]
     checks = []
     with progress_bar(len(loaded)) as step:
         for i, stone in enumerate(loaded):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -20,7 +21,9 @@ from gemrender.cli.values import (
 from gemrender.engines import (
     DEFAULT_BOUND,
     DEFAULT_ENGINE,
+    DEFAULT_MEMORY_LIMIT,
     DEFAULT_RESOLUTION,
+    DEFAULT_TIME_LIMIT,
     DEFAULT_VARIANT,
     ENGINES,
     VARIANTS,
@@ -116,6 +119,28 @@ Bound = Annotated[
 ]
 
 
+Time = Annotated[
+    float,
+    number_option(
+        "--time",
+        "seconds",
+        "Time that an exact score may take; past it, it ends with the bound that it has, and says so.",
+        metavar="SECONDS",
+        rich_help_panel=ENGINE,
+    ),
+]
+Memory = Annotated[
+    float,
+    number_option(
+        "--memory",
+        "gibibytes",
+        "Memory that it may take, likewise.",
+        metavar="GIB",
+        rich_help_panel=ENGINE,
+    ),
+]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EngineOptions:
     """What traces the stones, and how finely."""
@@ -124,6 +149,8 @@ class EngineOptions:
     variant: Variant = DEFAULT_VARIANT
     resolution: Resolution = DEFAULT_RESOLUTION
     bound: Bound = DEFAULT_BOUND
+    time: Time = DEFAULT_TIME_LIMIT
+    memory: Memory = DEFAULT_MEMORY_LIMIT
 
 
 # ---- Model and view ------------------------------------------------------------------------------------
@@ -250,6 +277,8 @@ def trace_options(
         "tilt_deg": view.tilt,
         "tilt_azimuth_deg": view.tilt_azimuth,
         "bound": engine.bound,
+        "time_limit": engine.time,
+        "memory_limit": engine.memory,
     }
 
 
@@ -290,5 +319,18 @@ def prepare_engine(
         from gemrender.report.files import check_folder
 
         check_folder(out)
-    with patience("the exact engine is compiled for this machine, once: about ten seconds"):
-        require_engine(engine or options["engine"], options["variant"], stones=stones, bound=options["bound"])
+    used = engine or options["engine"]
+    limits = {key: options[key] for key in ("bound", "time_limit", "memory_limit")}
+    with _patience_with_compiling(used):
+        require_engine(used, options["variant"], stones=stones, **limits)
+
+
+def _patience_with_compiling(engine: str) -> AbstractContextManager[None]:
+    """Say that the exact engine is compiled, where it is and that takes a while."""
+    if engine in ("auto", "exact"):
+        with suppress(ImportError):  # no numba here: told by who needs it
+            from gemrender.beam import is_compiled
+
+            if not is_compiled():
+                return patience("the exact engine is compiled for this machine, once: about ten seconds")
+    return nullcontext()

@@ -21,6 +21,7 @@ from gemrender.cli.options import (
 from gemrender.cli.output import print_records, progress_bar, say
 from gemrender.cli.stones import StoneOptions, load
 from gemrender.cli.values import number_option, whole_option
+from gemrender.engines import DEFAULT_MEMORY_LIMIT, DEFAULT_TIME_LIMIT
 
 __all__ = ["symmetry"]
 
@@ -107,8 +108,7 @@ def symmetry(
         say(words)
     folder = None if out is None else prepare_folder(out)
     stems = file_stems(loaded.names)
-    if not options["tilt_deg"]:
-        del options["tilt_deg"], options["tilt_azimuth_deg"]
+    _leave_out_defaults(options)
     studies = []
     with progress_bar(len(loaded)) as step:
         for i, stone in enumerate(loaded.stones):
@@ -124,3 +124,12 @@ def symmetry(
         values=lambda: [s.to_dict() for s in studies],
         records=lambda: [record for s in studies for record in study_records(s)],
     )
+
+
+def _leave_out_defaults(options: dict[str, Any]) -> None:
+    """Leave out options that journals of earlier versions do not have, where they ask for nothing."""
+    if not options["tilt_deg"]:
+        del options["tilt_deg"], options["tilt_azimuth_deg"]
+    for key, default in (("time_limit", DEFAULT_TIME_LIMIT), ("memory_limit", DEFAULT_MEMORY_LIMIT)):
+        if options[key] == default:
+            del options[key]

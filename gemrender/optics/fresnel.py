@@ -5,12 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 __all__ = [
+    "CRITICAL_TOLERANCE",
     "FRESNEL_LAWS",
     "GUBELIN_ANGLES_DEG",
     "GUBELIN_INDEX",
     "GUBELIN_REFLECTED",
+    "LEAST_TOTAL",
     "brewster_angle_deg",
     "critical_angle_deg",
+    "is_totally_reflected",
     "reflectance",
     "reflectance_polarised",
     "transmittance",
@@ -33,9 +36,26 @@ GUBELIN_ANGLES_DEG.setflags(write=False)
 GUBELIN_REFLECTED.setflags(write=False)
 
 
+#: Light is totally reflected where n sin(theta) is 1 or at most so much less. Facets that stand at the
+#: critical angle itself are met a few roundings (1e-15) to either side of it, after hundreds of reflections
+#: some 1e-13: all tracers, in whichever order they add, must take them for one side. In angle, 1e-9 degrees.
+CRITICAL_TOLERANCE = 1e-11
+#: The same as what tracers compute: n^2 sin^2(theta) from which on all light is reflected.
+LEAST_TOTAL = (1.0 - CRITICAL_TOLERANCE) ** 2
+
+
 def critical_angle_deg(index: float) -> float:
     """Return the critical angle of total reflection, asin(1/n) [deg]."""
     return float(np.degrees(np.arcsin(1.0 / index)))
+
+
+def is_totally_reflected(cos_stone: np.ndarray, index: float) -> np.ndarray:
+    """Whether all light is reflected, by the cosine of the angle inside: sin(theta) >= 1/n within rounding.
+
+    The one rule of all tracers (`CRITICAL_TOLERANCE`); the compiled ones, Mitsuba's and the page's take
+    `LEAST_TOTAL` for it.
+    """
+    return np.asarray(index**2 * (1.0 - np.square(cos_stone)) >= LEAST_TOTAL)
 
 
 def brewster_angle_deg(index: float) -> float:

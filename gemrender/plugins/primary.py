@@ -19,7 +19,13 @@ from gemrender.observation import (
     REAR_RULES,
     RayStatus,
 )
-from gemrender.optics.fresnel import FRESNEL_LAWS, GUBELIN_ANGLES_DEG, GUBELIN_INDEX, GUBELIN_REFLECTED
+from gemrender.optics.fresnel import (
+    FRESNEL_LAWS,
+    GUBELIN_ANGLES_DEG,
+    GUBELIN_INDEX,
+    GUBELIN_REFLECTED,
+    LEAST_TOTAL,
+)
 from gemrender.plugins.checks import require_facets
 from gemrender.plugins.properties import choice, number, whole_number
 from gemrender.scene.mesh import FACET_ATTRIBUTE, NORMAL_ATTRIBUTES, OFFSET_ATTRIBUTES
@@ -35,6 +41,12 @@ RAY_OFFSET = 1e-5
 #: How far a surface's place along a ray may be from the mesh's [girdle radius]: more than the girdle's chords
 #: and arcs are apart along a ray that grazes it (3e-3), less than most ways through the stone.
 MOST_APART = 1e-2
+
+#: A ray that runs along a round girdle meets it so far behind the mesh's chord, or more, that it may meet a
+#: facet in between [girdle radius]. At steeper angles chord and wall are closer.
+GRAZING = 2e-5
+#: How far aside a second look is taken for that facet [girdle radius]: more than the sagitta of the chords.
+ASIDE = 1e-5
 
 #: How far the relative index may be from the one that Gübelin's table holds for: as far as air's from 1.
 GUBELIN_MARGIN = 1e-3
@@ -210,6 +222,9 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         code = dr.select(hit, mi.UInt32(entry_facet) + 1, 0)
         cos_stone = mi.Float64(1)  # of the angle inside, where the ray leaves
         cos_air = mi.Float64(1)  # of the angle outside
+        to_wall = mi.Float64(
+            0
+        )  # how far the ray goes to a wall that it grazes, while looking for facets before it
 
         while dr.hint(inside, label="gem_primary"):
             si = scene.ray_intersect(mi.Ray3f(start, mi.Vector3f(d)), mi.RayFlags.ShadingFrame, False, inside)
@@ -221,8 +236,21 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
             # Beside an edge the mesh may show a face whose own place on this line is elsewhere.
             apart = dr.dot(q - mi.Point3d(start), d) - mi.Float64(si.t)
             found &= (cos_i > 0) & (dr.abs(apart) < MOST_APART)
+
+            # The mesh's girdle stands inside the true wall: between them a ray along it may meet a facet,
+            # which a parallel one a little further inside finds.
+            looks_aside = to_wall > 0
+            grazes = found & ~looks_aside & (facet_here == GIRDLE) & (offset > 0) & (apart > GRAZING)
+            before_wall = found & (facet_here != GIRDLE) & (dr.dot(q - p, d) < to_wall)
+            at_wall = looks_aside & ~before_wall
+            q = dr.select(at_wall, p + to_wall * d, q)
+            n = dr.select(at_wall, _radial(q), n)
+            facet_here = dr.select(at_wall, mi.Float(GIRDLE), facet_here)
+            cos_i = dr.select(at_wall, dr.dot(n, d), cos_i)
+            found = (found | at_wall) & ~grazes
+            to_wall = dr.select(grazes, dr.dot(q - p, d), 0)
             # What faces the other way is passed by; a ray may also slip through an edge in single precision.
-            retries = dr.select(found, 0, retries + 1)
+            retries = dr.select(found | grazes, 0, retries + 1)
             again = inside & ~found & (retries <= MOST_RETRIES)
             status[inside & ~found & ~again] = mi.UInt32(int(RayStatus.LOST))
             beyond = mi.Point3f(mi.Point3d(start) + (mi.Float64(si.t) + RAY_OFFSET) * d)
@@ -232,7 +260,7 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
             )
 
             sin2 = dr.square(eta) * (1 - dr.square(cos_i))
-            exits = found & (sin2 < 1)
+            exits = found & (sin2 < LEAST_TOTAL)  # is_totally_reflected, in double precision as all here
             cos_t = dr.safe_sqrt(1 - sin2)
             status[exits] = mi.UInt32(int(RayStatus.EXITED))
             facet = dr.select(exits, facet_here, facet)
@@ -244,8 +272,10 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
             d = dr.select(exits, refracted, dr.select(reflects, d - 2 * cos_i * n, d))
             reflections[reflects] += 1
             inside = reflects | again
-            passes_by = again & si.is_valid()
+            passes_by = again & si.is_valid() & ~grazes
+            aside = mi.Point3f(p + RAY_OFFSET * d - ASIDE * _radial(p + to_wall * d))
             start = dr.select(passes_by, beyond, _query_start(p, d, facet_here, retries))
+            start = dr.select(grazes, aside, start)
 
         return _Path(
             hit=hit,
@@ -393,8 +423,12 @@ def _meet(
     root = dr.safe_sqrt(dr.square(b) - a * c)
     on_wall = dr.select(offset > 0, (-b - root if entering else -b + root) / a, to_mesh)
     q = p + dr.select(is_girdle, on_wall, on_plane) * d
-    radial = mi.Vector3d(q.x, q.y, 0) * dr.rsqrt(dr.square(q.x) + dr.square(q.y))
-    return q, dr.select(is_girdle, dr.select(offset > 0, radial, mi.Vector3d(si.sh_frame.n)), n)
+    return q, dr.select(is_girdle, dr.select(offset > 0, _radial(q), mi.Vector3d(si.sh_frame.n)), n)
+
+
+def _radial(q: mi.Point3d) -> mi.Vector3d:
+    """Return the unit vector away from the stone's axis."""
+    return mi.Vector3d(q.x, q.y, 0) * dr.rsqrt(dr.square(q.x) + dr.square(q.y))
 
 
 mi.register_integrator("gem_primary", lambda props: PrimaryIntegrator(props))

@@ -25,7 +25,7 @@ from gemrender.observation import (
     RayStatus,
     View,
 )
-from gemrender.optics.fresnel import transmittance
+from gemrender.optics.fresnel import is_totally_reflected, transmittance
 from gemrender.reference.surfaces import Surfaces
 from gemrender.stone import Stone
 
@@ -134,7 +134,7 @@ def trace(
 
         # Equation (3). At the critical angle itself the surface still reflects all light.
         cos_stone = np.einsum("ij,ij->i", d, normal)
-        exits = model.index**2 * (1.0 - cos_stone**2) < 1.0
+        exits = ~is_totally_reflected(cos_stone, model.index)
         out = ray[exits]
         d_out, cos_out = _into_air(d[exits], normal[exits], model.index)
         entering = _crossing_factor(cos_out, cos_stone[exits], model, towards_eye=False)

@@ -196,10 +196,22 @@ def _check_exact() -> Check:
     try:
         import numba
 
+        from gemrender.beam import damaged_cache_files, is_compiled
         from gemrender.beam.polygons import trace_polygons
     except Exception as error:  # whatever a half-installed numba raises
         detail = f"numba cannot be imported: {error}"
         return Check(name=EXACT_ENGINE, ok=False, detail=detail, cure="pip install numba")
+    found = f"numba {numba.__version__}"
     folder = getattr(trace_polygons.stats, "cache_path", None)
-    cache = f"cache in {folder}" if folder else "no folder for its cache, every run compiles again"
-    return Check(name=EXACT_ENGINE, ok=True, detail=f"numba {numba.__version__}, {cache}")
+    if not folder:
+        detail = f"{found}, no folder for its cache can be written, every run compiles again"
+        cure = "set NUMBA_CACHE_DIR to a folder that can be written"
+        return Check(name=EXACT_ENGINE, ok=True, detail=detail, cure=cure)
+    detail = f"{found}, cache in {folder}"
+    if damaged := damaged_cache_files():
+        detail += f": {len(damaged)} of its files damaged, the first one {Path(damaged[0]).name}"
+        cure = f"none is needed, they are compiled again; if that does not last, remove {folder}"
+        return Check(name=EXACT_ENGINE, ok=True, detail=detail, cure=cure)
+    if not is_compiled():
+        detail += ", to be compiled by the first score"
+    return Check(name=EXACT_ENGINE, ok=True, detail=detail)

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import math
 import textwrap
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gemrender.engines import require_engine
+from gemrender.engines import DEFAULT_BOUND, DEFAULT_TIME_LIMIT, require_engine
 from gemrender.errors import InputError
-from gemrender.observation import Model, View
+from gemrender.observation import Model, View, bound_text
 from gemrender.report.displays.page import PAPER, Page
 from gemrender.report.displays.projection import Projection, look_at
 from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR
 from gemrender.report.tables import LEAST_SHOWN, band_name, how_text, model_text
-from gemrender.score import BAND_EDGES, FacetSizes, Score, score_observation
+from gemrender.score import BAND_EDGES, FacetSizes, Score, score_measurement
 from gemrender.stone import Stone
 from gemrender.stone.topology import FACET_KINDS
 
@@ -76,6 +76,9 @@ _SCORES, _ROW, _SIZES, _RULES = 1.27, 0.27, 2.15, 0.95
 _BARS, _LONGEST = 2.02, 1.35
 #: Resolution of PNG files [pixels per inch]: edges are thinner than other displays' lines.
 _DPI = 240
+
+#: Memory for the polygons [GiB]: what it does not hold, beyond some hundred thousand, is hatched.
+_MEMORY = 0.25
 
 _TITLES = {
     "intensity": "Virtual facets by intensity",
@@ -153,15 +156,17 @@ def facets_figure(
     """
     check_colour(colour)
     require_engine("exact", stones=[stone])
-    from gemrender.beam import trace_facets
-    from gemrender.beam.maps import observe
+    from gemrender.beam import Budget, trace_facets
+    from gemrender.beam.measure import measure_facets
 
-    view = replace(view or View.of(stone, 1), resolution=1)  # for the scores; the map is not needed
-    model = model or Model.of(stone)
-    observation = observe(stone, view, model)
-    assert observation.measured is not None
-    result = score_observation(observation)
-    facets = trace_facets(stone, view=view, model=model)
+    budget = Budget(DEFAULT_TIME_LIMIT, _MEMORY)
+    view, model = view or View.of(stone, 1), model or Model.of(stone)
+    measured, facets = measure_facets(
+        stone, view=view, model=model, bound=DEFAULT_BOUND, seed=1, progress=None, budget=budget
+    )
+    result = score_measurement(measured, stone, view, model)
+    if facets.parts > 1:
+        facets = trace_facets(stone, view=view, model=model, budget=budget.anew())
     classes = _classes(facets, colour, result)
 
     page = Page(
@@ -176,8 +181,8 @@ def facets_figure(
     _draw_facets(axes, facets, classes, scale)
     _draw_scales(axes, tilted=view.tilt_deg != 0)
     panel = page.axes(_LEFT + _MAP + _GAP, _PANEL_BOTTOM, _PANEL, _BOTTOM + _MAP - _PANEL_BOTTOM)
-    shares = 100.0 * facets.area[classes.drawn] / observation.measured.area
-    _draw_panel(panel, result, _told(colour, model), _rows(classes, shares, result))
+    shares = 100.0 * facets.area[classes.drawn] / measured.area
+    _draw_panel(panel, result, _told(colour, model), _rows(classes, shares, result, bool(facets.left_over)))
     return page.figure
 
 
@@ -224,8 +229,10 @@ def _told(colour: str, model: Model) -> str:
     return {"reflections": "total reflections", "facet": "where its light comes in"}.get(colour, measure)
 
 
-def _rows(classes: _Classes, shares: np.ndarray, result: Score) -> list[tuple[str, str, float]]:
-    """Return the legend: colours, names and shares of the view [%]; the light near the girdle comes last."""
+def _rows(
+    classes: _Classes, shares: np.ndarray, result: Score, some_left_over: bool
+) -> list[tuple[str, str, float]]:
+    """Return the legend: colours, names and shares of the view [%]; what no polygon tells comes last."""
     n = len(classes.names)
     number = np.bincount(classes.of, minlength=n)
     share = np.bincount(classes.of, weights=shares, minlength=n)
@@ -235,7 +242,9 @@ def _rows(classes: _Classes, shares: np.ndarray, result: Score) -> list[tuple[st
         if number[i] or i < classes.always
     ]
     assert result.facets is not None
-    if result.facets.near_girdle >= LEAST_SHOWN:
+    if some_left_over:
+        rows.append((GIRDLE_COLOUR, "By single rays", 100.0 - float(share.sum())))
+    elif result.facets.near_girdle >= LEAST_SHOWN:
         rows.append((GIRDLE_COLOUR, "Near the girdle", result.facets.near_girdle))
     return rows
 
@@ -370,9 +379,9 @@ def _short(share: float) -> str:
 
 
 def _bounded(value: float, bound: float) -> tuple[str, str]:
-    """Return a score and its bound, rounded up, with two to four decimals: as many as the bound is worth."""
-    digits = next((digits for digits in (2, 3) if bound >= 10.0**-digits), 4)
-    return f"{value:.{digits}f}", f"{math.ceil(bound * 10**digits) / 10**digits:.{digits}f}"
+    """Return a score and its bound as every table states it; the score has as many decimals, two or more."""
+    told = bound_text(bound)
+    return f"{value:.{max(2, len(told.partition('.')[2]))}f}", told
 
 
 def _rules(result: Score) -> str:

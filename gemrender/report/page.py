@@ -23,9 +23,15 @@ from typing import Any
 import numpy as np
 
 import gemrender
+from gemrender.engines import DEFAULT_MEMORY_LIMIT, DEFAULT_TIME_LIMIT
 from gemrender.errors import InputError
 from gemrender.observation import Model, Observation, RayStatus, View
-from gemrender.optics.fresnel import GUBELIN_ANGLES_DEG, GUBELIN_REFLECTED, critical_angle_deg
+from gemrender.optics.fresnel import (
+    GUBELIN_ANGLES_DEG,
+    GUBELIN_REFLECTED,
+    LEAST_TOTAL,
+    critical_angle_deg,
+)
 from gemrender.report.dimensions import dimensions
 from gemrender.report.displays.ray_colours import RAY_COLOURS
 from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR
@@ -213,6 +219,7 @@ def topology() -> dict[str, Any]:
         "lowerTriangles": LOWER_GIRDLE_TRIANGLES.tolist(),
         "gubelinAngles": GUBELIN_ANGLES_DEG.tolist(),
         "gubelinReflected": GUBELIN_REFLECTED.tolist(),
+        "leastTotal": LEAST_TOTAL,
     }
 
 
@@ -280,9 +287,10 @@ def _virtual_facets(observation: Observation, result: Score) -> dict[str, Any] |
     """Return the virtual facets' number and outlines, x, y, x, y ... of each, where the engine knows them."""
     if result.facets is None:
         return None
-    from gemrender.beam import trace_facets
+    from gemrender.beam import Budget, trace_facets
 
-    facets = trace_facets(observation.stone, view=observation.view, model=observation.model)
+    budget = Budget(DEFAULT_TIME_LIMIT, DEFAULT_MEMORY_LIMIT)
+    facets = trace_facets(observation.stone, view=observation.view, model=observation.model, budget=budget)
     outlines = [facets.polygon(i).round(4).ravel().tolist() for i in range(min(len(facets), MOST_OUTLINES))]
     return {"number": result.facets.number, "outlines": outlines}
 

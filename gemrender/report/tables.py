@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from gemrender.crosscheck import CrossCheck
+from gemrender.observation import bound_text
 from gemrender.report.formats import Cell, Column, TextTable
 from gemrender.score import Band, Score
 
@@ -48,7 +49,7 @@ def model_text(score: Score) -> str:
 def how_text(score: Score) -> str:
     """Say in words how a stone was scored: by how many rays and what, or exactly and how exactly."""
     if score.resolution is None:
-        return f"{score.engine}, every figure within ±{score.bound:.2g}"
+        return f"{score.engine}, every figure within ±{bound_text(score.bound or 0.0)}"
     engine = f"{score.engine} ({score.variant})" if score.variant else score.engine
     return f"{score.resolution} × {score.resolution} rays, {engine}"
 
@@ -115,6 +116,8 @@ def _explain(table: TextTable, scores: Sequence[Score], exact: bool) -> None:
         for words, of in names.items():
             table.note(f"{words}{'' if len(names) == 1 else ': ' + _names(of)}.")
     for s in scores:
+        for words in s.notes:
+            table.note(f"{s.name}: {words}.", "yellow")
         if s.lost:
             table.note(f"{s.name}: {s.lost:.2g} % of the rays were lost to rounding.", "yellow")
 
@@ -186,6 +189,7 @@ def crosscheck_tables(checks: Sequence[CrossCheck]) -> list[TextTable]:
         scores.rows.append([c.name, c.engines[0], *(f"{x:+.4f}" for x in differences)])
     scores.note("Differences are the engine minus the reference; all but Rays in per cent.")
     scores.note("Same exit: rays with the same status and exit facet; same path: and facet sequence.")
+    scores.note("Rays that are reflected more than 100 times may part; of the others 99.9 % must end alike.")
     scores.note("ΔI: difference in intensity among rays with the same path.")
     for c in checks:
         for failure in c.failures:

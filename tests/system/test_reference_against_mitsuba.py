@@ -9,8 +9,10 @@ these sizes too, and are, if anything, stricter.
 from __future__ import annotations
 
 import drjit as dr
+import mitsuba as mi
 import numpy as np
 import pytest
+from critical import at_critical_angle
 from physics_tolerances import COORDINATE, ONE_DECIMAL, SAME_PATH, SAMPLING_512
 
 import gemrender.render.observe as by_mitsuba
@@ -19,6 +21,8 @@ from gemrender.crosscheck import crosscheck
 from gemrender.engines import observe
 from gemrender.observation import MAP_TYPES
 from gemrender.reference import observe as by_reference
+from gemrender.reference import trace
+from gemrender.scene.generator import stone_scene
 from gemrender.score import score_observation
 from gemrender.stone.random import random_brilliant
 from gemrender.stone.topology import N_VERTICES
@@ -243,3 +247,16 @@ def test_another_limit_of_reflections_needs_no_new_kernel(variant_llvm_ad_mono):
             by_mitsuba.observe(stone, View.of(stone, 32), Model(max_reflections=most))
             found.append({k["hash"] for k in dr.kernel_history() if k["type"] == dr.KernelType.JIT})
     assert found[0] == found[1] == found[2] != set()
+
+
+def test_a_ray_along_the_girdle_meets_the_facet_before_it(variant_llvm_ad_mono):
+    """The mesh's girdle stands inside the true wall; a facet is met 3e-6 girdle radii from that."""
+    stone, x, y = at_critical_angle(2.0), 0.470703125, 0.724609375  # centres of pixels of 512 x 512
+    points = [(i * a, j * b) for a, b in ((x, y), (y, x)) for i in (1, -1) for j in (1, -1)]
+    start = np.column_stack([points, np.full(8, 10.0)])
+    truth = trace(stone, start, np.broadcast_to([0.0, 0.0, -1.0], start.shape), Model.of(stone))
+    assert np.hypot(*truth.exit_point[:, :2].T) == pytest.approx(1 - 3e-6, abs=1e-6)
+    scene = mi.load_dict(stone_scene(stone, View.of(stone, 8), Model.of(stone)))
+    seen = by_mitsuba.follow(scene, mi.Ray3f(mi.Point3f(*start.T), mi.Vector3f(0, 0, -1)))
+    np.testing.assert_array_equal(seen["status"], RayStatus.EXITED)
+    np.testing.assert_array_equal(seen["path.code"], truth.path_code)

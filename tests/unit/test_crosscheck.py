@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from observations import STONE, observation
 
-from gemrender.crosscheck import crosscheck
+from gemrender.crosscheck import LONG_PATH, crosscheck
 from gemrender.observation import Model, RayStatus, View
 from gemrender.stone import load_stone
 
@@ -69,6 +69,16 @@ def test_each_tolerance_catches_its_own_fault(case):
 def test_a_little_less_is_within_the_tolerance(case):
     pixels, values, _ = CASES[case]
     assert failures(doctored(pixels - 1, **values)) == []
+
+
+def test_rays_reflected_a_hundred_times_may_part_if_the_scores_agree():
+    """But a ray that only one tracer takes for such a long one is no agreement."""
+    long = doctored(50, exit_facet=8, reflections=LONG_PATH + 1)
+    truth = dataclasses.replace(TRUTH, reflections=long.reflections)
+    check = crosscheck(long, truth)
+    assert (check.same_exit, check.same_exit_short, check.failures) == (99.5, 100, [])
+    assert crosscheck(long, TRUTH).failures
+    assert crosscheck(TRUTH, long).failures
 
 
 def test_nan_never_passes():

@@ -209,8 +209,10 @@ def test_scores_are_written_with_their_bound(key):
         written, bound = said[said.index(heading) + 1 :][:2]
         assert re.fullmatch(r"\d+\.\d{2,4} %", written)
         assert float(written[:-2]) == pytest.approx(value, abs=0.01)
-        bound = float(bound.removeprefix("± ").removesuffix(" %"))
-        assert result.bound <= bound <= result.bound + 0.01
+        bound = bound.removeprefix("± ").removesuffix(" %")
+        assert result.bound <= float(bound) <= max(1.1 * result.bound, 1e-4)  # two digits, rounded up
+        (caption,) = (text for text in said if "every figure within" in text)
+        assert f"every figure within ±{bound}" in caption.splitlines()[-1 - ("single rays" in caption)]
 
 
 def test_the_table_counts_every_virtual_facet(key):

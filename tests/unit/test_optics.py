@@ -15,6 +15,7 @@ from gemrender.optics.fresnel import (
     FRESNEL_LAWS,
     GUBELIN_INDEX,
     brewster_angle_deg,
+    is_totally_reflected,
     reflectance,
     reflectance_polarised,
     transmittance_gubelin,
@@ -71,6 +72,12 @@ def test_reflectance_is_the_same_from_both_sides(index):
 @pytest.mark.parametrize("law", FRESNEL_LAWS)
 def test_nothing_is_transmitted_at_grazing_incidence(law):
     assert transmittance(0.0, DIAMOND, law) == pytest.approx(0.0, abs=ROUNDING)
+
+
+@pytest.mark.parametrize("index", INDICES_TRIED)
+def test_at_the_critical_angle_all_light_is_reflected_whichever_way_it_rounds(index):
+    angle = np.radians(critical_angle_deg(index)) + np.array([-1e-9, -1e-13, 0.0, 1e-13, 1e-9])
+    assert is_totally_reflected(np.cos(angle), index).tolist() == [False, True, True, True, True]
 
 
 def test_critical_angle_of_diamond():

@@ -9,6 +9,7 @@ from importlib import resources
 
 import numpy as np
 import pytest
+from critical import INDICES, at_critical_angle
 
 from gemrender.observation import Model, RayStatus, View
 from gemrender.reference import RayPath, trace_paths
@@ -151,3 +152,10 @@ def test04_edges_lose_no_ray():
     for path in by_javascript(stone, points, View(resolution=1), Model.of(stone)):
         assert path["status"] in (RayStatus.EXITED, RayStatus.TRAPPED)
         assert path["reflections"] + 2 == len(path["facets"]) or path["status"] == RayStatus.TRAPPED
+
+
+@pytest.mark.parametrize("index", INDICES)
+def test05_same_side_of_the_critical_angle(index):
+    """Rationale: rays meet the mains of these stones a few roundings to either side of it."""
+    model = Model(index=index, fresnel="exact", max_reflections=FEW_REFLECTIONS)
+    compare(at_critical_angle(index), model=model, rays=RAYS // 10)

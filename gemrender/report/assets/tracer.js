@@ -19,6 +19,7 @@
 //     girdleUpper, girdleLower            16 vertices of each edge
 //     upperTriangles, lowerTriangles      16 triangles that go on beyond their chord
 //     gubelinAngles, gubelinReflected     Gübelin's table [deg, share]
+//     leastTotal                          n^2 sin^2(theta) from which on all light is reflected
 
 const GemTracer = (() => {
     /** Slack of the tests of edges and distances: some thousand roundings of float64. */
@@ -394,7 +395,7 @@ const GemTracer = (() => {
             o = hit.point;
             const cos = dot(d, hit.normal);
             // Equation (3). At the critical angle itself the surface still reflects all light.
-            if (model.index ** 2 * (1 - cos ** 2) < 1) {
+            if (model.index ** 2 * (1 - cos ** 2) < topology.leastTotal) {
                 const out = intoAir(d, hit.normal, model.index);
                 meet(hit, out.direction);
                 const tIn = transmittance(out.cos, model, topology);

@@ -1,0 +1,169 @@
+"""Compiled kernels on disk: a damaged, an unreadable or an old file costs a compilation, and nothing else."""
+
+from __future__ import annotations
+
+import importlib.util
+import shutil
+
+import pytest
+from numba.core.caching import NullCache
+from observations import run_python
+
+import gemrender.beam
+from gemrender.beam import cache as kernel_cache
+from gemrender.beam import is_compiled, polygons, prepare
+from gemrender.render import diagnosis
+
+SOURCE = """
+from gemrender.beam.compiled import jit
+
+@jit
+def doubled(x):
+    return 2 * x
+"""
+
+
+@pytest.fixture
+def load(tmp_path):
+    """Load a module with one kernel, as another process would."""
+    (tmp_path / "tiny.py").write_text(SOURCE)
+
+    def load():
+        spec = importlib.util.spec_from_file_location("tiny", tmp_path / "tiny.py")
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        return module.doubled
+
+    return load
+
+
+def compilations(kernel) -> int:
+    """Call it, and return how often it had to be compiled for that."""
+    assert kernel(21) == 42
+    return sum(kernel.stats.cache_misses.values())
+
+
+def cut(path):
+    path.write_bytes(path.read_bytes()[:-40])
+
+
+def flip(path):
+    data = bytearray(path.read_bytes())
+    data[len(data) // 2] ^= 1
+    path.write_bytes(data)
+
+
+def turn_into_a_folder(path):
+    path.unlink()
+    path.mkdir()
+
+
+DAMAGE = {
+    "empty": lambda path: path.write_bytes(b""),
+    "cut short": cut,
+    "a bit flipped": flip,
+    "something else": lambda path: path.write_bytes(b"\x80\x05not a pickle" * 100),
+    "zeros": lambda path: path.write_bytes(bytes(path.stat().st_size)),
+    "gone": lambda path: path.unlink(),
+}
+
+
+def files(tmp_path, ending):
+    return list((tmp_path / "__pycache__").glob(f"*.{ending}"))
+
+
+def test_a_kernel_is_compiled_once(load):
+    assert [compilations(load()) for _ in range(3)] == [1, 0, 0]
+
+
+@pytest.mark.parametrize("ending", ["nbi", "nbc"])
+@pytest.mark.parametrize("damage", DAMAGE)
+def test_a_damaged_file_is_replaced(load, tmp_path, ending, damage):
+    compilations(load())
+    (path,) = files(tmp_path, ending)
+    DAMAGE[damage](path)
+    told = load()._cache.damaged()
+    assert told == ([] if damage == "gone" else [str(path)])
+    assert [compilations(load()) for _ in range(2)] == [1, 0]
+    assert load()._cache.damaged() == []
+
+
+@pytest.mark.parametrize("ending", ["nbi", "nbc"])
+def test_a_file_that_cannot_be_replaced_does_no_harm(load, tmp_path, ending):
+    compilations(load())
+    (path,) = files(tmp_path, ending)
+    turn_into_a_folder(path)
+    assert [compilations(load()) for _ in range(2)] == [1, 1]
+    assert load()._cache.damaged() == [str(path)]
+
+
+def test_a_folder_that_is_gone_is_made_again(load, tmp_path):
+    kernel = load()
+    shutil.rmtree(tmp_path / "__pycache__")
+    assert compilations(kernel) == 1
+    assert compilations(load()) == 0
+
+
+def test_a_change_of_any_kernels_source_is_seen(load, monkeypatch):
+    """Also of one that this kernel calls, in another file."""
+    compilations(load())
+    monkeypatch.setattr(kernel_cache, "source_stamp", lambda: "other sources")
+    assert load()._cache.damaged() == []  # old, not damaged
+    assert [compilations(load()) for _ in range(2)] == [1, 0]
+
+
+def test_the_stamp_is_that_of_all_sources(tmp_path, monkeypatch):
+    kernel_cache.source_stamp.cache_clear()
+    before = kernel_cache.source_stamp()
+    folder = tmp_path / "beam"
+    shutil.copytree(kernel_cache.Path(kernel_cache.__file__).parent, folder)
+    monkeypatch.setattr(kernel_cache, "__file__", str(folder / "cache.py"))
+    kernel_cache.source_stamp.cache_clear()
+    assert kernel_cache.source_stamp() == before
+    with (folder / "crossing.py").open("a") as file:
+        file.write("\n")
+    kernel_cache.source_stamp.cache_clear()
+    assert kernel_cache.source_stamp() != before
+    kernel_cache.source_stamp.cache_clear()
+
+
+# ---- Whether a score would compile ---------------------------------------------------------------------
+
+LOOK = """
+import gc
+from numba.core.dispatcher import Dispatcher
+from gemrender.beam import is_compiled, prepare
+told = is_compiled()
+if told:
+    prepare()
+kernels = [k for k in gc.get_objects() if isinstance(k, Dispatcher) and k.__module__.startswith("gemrender")]
+print(told, sum(sum(k.stats.cache_misses.values()) for k in kernels))
+"""
+
+
+def test_what_is_told_to_be_compiled_needs_no_compilation(tmp_path):
+    prepare()
+    assert is_compiled()
+    done = run_python("-c", LOOK)
+    assert (done.returncode, done.stdout) == (0, "True 0\n"), done.stderr
+    done = run_python("-c", LOOK, environment={"NUMBA_CACHE_DIR": str(tmp_path)})
+    assert (done.returncode, done.stdout) == (0, "False 0\n"), done.stderr
+
+
+# ---- What the doctor says ------------------------------------------------------------------------------
+
+
+def test_the_doctor_tells_of_damaged_files(monkeypatch):
+    monkeypatch.setattr(gemrender.beam, "damaged_cache_files", lambda: ["/somewhere/rays.nbi"])
+    check = diagnosis._check_exact()
+    assert check.ok
+    assert check.detail.endswith(": 1 of its files damaged, the first one rays.nbi")
+    assert "compiled again" in check.cure
+
+
+def test_the_doctor_tells_of_a_folder_that_cannot_be_written(monkeypatch):
+    monkeypatch.setattr(polygons.trace_polygons, "_cache", NullCache())
+    check = diagnosis._check_exact()
+    assert check.ok
+    assert "every run compiles again" in check.detail
+    assert check.cure == "set NUMBA_CACHE_DIR to a folder that can be written"
