@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from gemrender.scene.loading import load_scene
+
 __all__ = ["FIRST_NM", "LAST_NM", "Passes", "check_range"]
 
 #: Visible light, which pictures are made of [nm].
@@ -53,8 +55,6 @@ class Passes:
     """
 
     def __init__(self, scene: Any, *, seed: int = 0, filter_radius: float = 0.5, bins_nm: Any = None) -> None:
-        import mitsuba as mi
-
         self.scene, self.seed, self.filter_radius = scene, seed, filter_radius
         self.sensor = scene.sensors()[0]
         check_outside(scene)
@@ -65,7 +65,7 @@ class Passes:
         self._n_channels = 10 + n_bins
         self._halves = np.zeros((2, self.height * self.width, self._n_channels), dtype=np.float32)
         self._counts = [0, 0]
-        self._generator = mi.load_dict({"type": "multijitter"})
+        self._generator = load_scene({"type": "multijitter"})
         self._draw = _drawing_table()
         self._turns = 0
 

@@ -13,6 +13,7 @@ from gemrender.errors import BackendError, InputError
 from gemrender.optics import carat_to_girdle_diameter_mm, load_material
 from gemrender.render.backend import ensure_variant
 from gemrender.render.passes import Passes
+from gemrender.scene.loading import load_scene
 from gemrender.scene.photoreal import Gem, photoreal_scene
 from gemrender.scene.setup import Setup
 from gemrender.stone import Stone, tessellate
@@ -193,8 +194,6 @@ def render(
     if not variant.endswith("_spectral"):
         raise InputError("must be a spectral variant, as llvm_ad_spectral", key="variant", value=variant)
     ensure_variant(variant)
-    import mitsuba as mi
-
     started = time.perf_counter()
     scene = photoreal_scene(
         gems,
@@ -205,7 +204,7 @@ def render(
         turn_deg=turn_deg,
         turntable=turntable,
     )
-    passes = Passes(mi.load_dict(scene.to_dict()), seed=seed, filter_radius=FILTER_RADIUS, bins_nm=bins_nm)
+    passes = Passes(load_scene(scene.to_dict()), seed=seed, filter_radius=FILTER_RADIUS, bins_nm=bins_nm)
     stopped = _run(passes, spp, noise, time_limit, started, progress)
     return Picture(
         xyz=passes.xyz,

@@ -10,6 +10,7 @@ from gemrender.errors import InputError
 from gemrender.render.backend import ensure_variant
 from gemrender.render.passes import Passes, _stratified, check_range
 from gemrender.render.photoreal import make_gems
+from gemrender.scene.loading import load_scene
 from gemrender.scene.photoreal import photoreal_scene
 from gemrender.scene.setup import load_setup
 from gemrender.stone import load_stone
@@ -21,10 +22,8 @@ BINNED = 0.01
 
 
 def scene_of(setup="window", size=32):
-    import mitsuba as mi
-
     gems = make_gems([load_stone("inoue-3")])
-    return mi.load_dict(photoreal_scene(gems, load_setup(setup), width=size, height=size).to_dict())
+    return load_scene(photoreal_scene(gems, load_setup(setup), width=size, height=size).to_dict())
 
 
 @pytest.fixture(scope="module")
