@@ -5,11 +5,13 @@
     GemrenderError          exit status 1
     ├── InputError          exit status 2: the user's input; one line says what is allowed
     └── BackendError        exit status 1: Mitsuba, Dr.Jit or LLVM cannot run here; says the cure
+
+    GemrenderWarning        no error: something was mended or left out, and one line says what
 """
 
 from __future__ import annotations
 
-__all__ = ["BackendError", "GemrenderError", "InputError"]
+__all__ = ["BackendError", "GemrenderError", "GemrenderWarning", "InputError"]
 
 
 class GemrenderError(Exception):
@@ -56,6 +58,10 @@ class InputError(GemrenderError, ValueError):
 
 class BackendError(GemrenderError, RuntimeError):
     """Mitsuba, Dr.Jit or LLVM cannot run on this machine; the message ends with the cure."""
+
+
+class GemrenderWarning(UserWarning):
+    """Something was mended or left out, told in one line; what comes of it is right as far as that says."""
 
 
 def _one_line(text: str, most: int = 60) -> str:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from gemrender.render.noise import relative_error, shows_stone
 from gemrender.scene.loading import load_scene
 
 __all__ = ["FIRST_NM", "LAST_NM", "Passes", "check_range"]
@@ -47,6 +48,8 @@ class Passes:
     ----------
     samples : int
         Samples a pixel so far.
+    unsound : int
+        Samples, of all pixels, whose radiance was negative or not finite. They count as black.
 
     Raises
     ------
@@ -65,6 +68,8 @@ class Passes:
         self._n_channels = 10 + n_bins
         self._halves = np.zeros((2, self.height * self.width, self._n_channels), dtype=np.float32)
         self._counts = [0, 0]
+        self.unsound, self._unsound_of_pass = 0, 0
+        self._shows_stone: np.ndarray | None = None
         self._generator = load_scene({"type": "multijitter"})
         self._draw = _drawing_table()
         self._turns = 0
@@ -92,11 +97,13 @@ class Passes:
         half = self._turns % 2
         pixels = self.width * self.height
         sums = np.empty((pixels, self._n_channels), dtype=np.float32)
+        self._unsound_of_pass = 0
         for first in range(0, pixels, _TILE_PIXELS):
             last = min(first + _TILE_PIXELS, pixels)
             sums[first:last] = self._tile(first, last - first, spp, half)
         self._halves[half] += sums
         self._counts[half] += spp
+        self.unsound += self._unsound_of_pass
         self._turns += 1
 
     def radiance_at(self, nm: float, spp: int, *, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
@@ -148,16 +155,31 @@ class Passes:
         """Mean radiance in each bin, (h, w, bins) float32."""
         return self._mean(slice(10, None))
 
+    @property
+    def stone_pixels(self) -> np.ndarray:
+        """Pixels whose middle shows a stone, (h, w) bool."""
+        if self._shows_stone is None:
+            pixels = self.width * self.height
+            parts = [
+                self._tile_shows_stone(first, min(_TILE_PIXELS, pixels - first))
+                for first in range(0, pixels, _TILE_PIXELS)
+            ]
+            self._shows_stone = np.concatenate(parts)
+        return self._shows_stone.reshape(self.height, self.width)
+
     def noise(self) -> float:
-        """Return the root mean square error of luminance by its mean; infinite before two passes."""
+        """Return the root mean square error of luminance by its mean, of the pixels that show stones.
+
+        Of all pixels where the middle of none shows a stone. Infinite before two passes, where a value is not
+        finite, and where all is black but for samples that were left out.
+        """
         if min(self._counts) == 0:
             return float("inf")
-        a, b = (self._halves[k, :, 1].astype(np.float64) / self._counts[k] for k in (0, 1))
-        weight = np.array(self._counts) / self.samples
-        # Of the weighted mean of halves of errors e_A, e_B with variances as 1/n: known by (A - B)^2
-        squared = float(np.mean((a - b) ** 2)) * float(weight[0] * weight[1])
-        mean = float(np.mean(weight[0] * a + weight[1] * b))
-        return float(np.sqrt(squared)) / mean if mean > 0 else 0.0
+        shown = self.stone_pixels.ravel()
+        a, b = self._halves[:, shown, 1] if shown.any() else self._halves[:, :, 1]
+        n_a, n_b = self._counts
+        error = relative_error(a / n_a, b / n_b, (n_a, n_b))
+        return float("inf") if error == 0 and self.unsound else error
 
     # ---- Kernels ----
 
@@ -214,13 +236,24 @@ class Passes:
         xyz = [
             sum(L * w * r[k] for L, w, r in zip(radiance, weight, response, strict=True)) for k in range(3)
         ]
+        # One sample that is no light would spoil its pixel for good: it is left out, and counted
+        sound = dr.isfinite(dr.sum(xyz)) & (dr.min(radiance) >= 0)
+        radiance, xyz = dr.select(sound, radiance, 0), [dr.select(sound, x, 0) for x in xyz]
         channels = [*xyz, *aovs, dr.select(valid, mi.Float(1), 0)]
         if self.bins_nm is not None:
             channels += self._binned(radiance, weight, nm)
-        dr.eval(channels)  # once for all: each sum would trace again
+        dr.eval(channels, sound)  # once for all: each sum would trace again
+        self._unsound_of_pass += n * spp - int(dr.count(sound)[0])
         sums = [dr.block_sum(channel, spp) for channel in channels]
         dr.eval(sums)
         return np.stack([np.asarray(s) for s in sums], axis=1)
+
+    def _tile_shows_stone(self, first: int, n: int) -> np.ndarray:
+        import drjit as dr
+        import mitsuba as mi
+
+        pixel = dr.arange(mi.UInt32, n) + dr.opaque(mi.UInt32, first)
+        return shows_stone(self.scene, self._rays(pixel, [mi.Float(0.5)] * 5, mi.Spectrum(550.0)))
 
     def _binned(self, radiance: Any, weight: Any, nm: Any) -> list[Any]:
         import drjit as dr
