@@ -34,6 +34,8 @@ SODIUM_NM = 589.3
 #: Fraunhofer's G and B lines, whose indices differ by what gemmologists call dispersion [nm].
 FRAUNHOFER_G_NM, FRAUNHOFER_B_NM = 430.8, 686.7
 
+#: Masses that a stone may have [carat]: from diamond dust of 0.1 mm to a boulder of 200 kg.
+CARAT_RANGE = (1e-5, 1e6)
 #: Mass of a carat [g].
 _CARAT_G = 0.2
 #: Wavelengths at which an index is checked: between its poles a formula is smooth.
@@ -207,10 +209,18 @@ def carat_to_girdle_diameter_mm(carat: float, volume: float, density: float) -> 
         Volume of the stone [girdle radius^3].
     density : float
         Density [g/cm^3].
+
+    Raises
+    ------
+    InputError
+        A value that is not finite and above 0, or a mass outside `CARAT_RANGE`.
     """
     for key, value in {"carat": carat, "volume": volume, "density": density}.items():
         if not finite(value) or value <= 0:
             raise InputError("must be a finite number above 0", key=key, value=value)
+    low, high = CARAT_RANGE
+    if not low <= carat <= high:
+        raise InputError(f"must be from {low:g} to {high:g} [carat]", key="carat", value=carat)
     volume_mm3 = 1000.0 * _CARAT_G * carat / density
     return float(2.0 * (volume_mm3 / volume) ** (1 / 3))
 

@@ -437,3 +437,9 @@ def test_impossible_stone_is_refused(key, value):
     with pytest.raises(InputError, match="must be a finite number above 0") as refused:
         carat_to_girdle_diameter_mm(**{"carat": 1.0, "volume": 2.0, "density": 3.52, key: value})
     assert refused.value.key == key
+
+
+@pytest.mark.parametrize("carat", [1e9, 1.1e6, 0.9e-5])
+def test_weights_that_no_stone_has_are_refused(carat):
+    with pytest.raises(InputError, match=r"^carat = .*: must be from 1e-05 to 1e\+06 \[carat\]$"):
+        carat_to_girdle_diameter_mm(carat, 2.0, 3.52)
