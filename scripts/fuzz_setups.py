@@ -19,7 +19,7 @@ from collections import Counter
 
 import numpy as np
 
-from gemrender.errors import InputError
+from gemrender.errors import GemrenderError, InputError
 from gemrender.scene.setup import CAMERAS, GROUNDS, LIGHTS, POSES, SKIES, Camera, Ground, Light, Setup, Sky
 
 #: Angles at which things are edge-on, upright or level [deg].
@@ -64,6 +64,8 @@ def outcome(setup: Setup, size: int, samples: int, seed: int) -> str:
         exposure = exposure_of(picture, setup)
     except InputError:
         return "refused"
+    except GemrenderError:
+        return "samples left out"
     except Exception:
         traceback.print_exc()
         return "traceback"

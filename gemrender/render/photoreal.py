@@ -28,6 +28,8 @@ DEFAULT_DIAMETER_MM = 6.5
 DIAMETER_RANGE_MM = (0.1, 1000.0)
 #: Radius of the tent that pixels are filtered by [pixel].
 FILTER_RADIUS = 1.0
+#: In a picture of fewer pixels the middle of none may show a stone, though parts do.
+FEW_PIXELS = 64
 #: Share of samples that may be left out, as they are no light: by far less than what is seen.
 MOST_UNSOUND = 1e-4
 
@@ -213,7 +215,7 @@ def render(
     Warns
     -----
     GemrenderWarning
-        Some samples had one, and were left out.
+        Some samples had one, and were left out; or no stone is seen.
     """
     _check_ends(spp, noise, time_limit, seed)
     if not variant.endswith("_spectral"):
@@ -233,6 +235,9 @@ def render(
     stopped = _run(passes, spp, noise, time_limit, started, progress)
     if passes.unsound:
         warnings.warn(f"{_told(passes)}; they are left out", GemrenderWarning, stacklevel=2)
+    if width * height >= FEW_PIXELS and not passes.stone_pixels.any():
+        told = "no stone is seen in the picture: something stands between them and the camera"
+        warnings.warn(told, GemrenderWarning, stacklevel=2)
     return Picture(
         xyz=passes.xyz,
         albedo=passes.albedo,

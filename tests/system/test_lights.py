@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from observations import ROOT
 
-from gemrender.errors import InputError
+from gemrender.errors import GemrenderWarning, InputError
 from gemrender.render.backend import ensure_variant
 from gemrender.render.finish import developed, exposure_of
 from gemrender.render.photoreal import make_gems, render
@@ -48,7 +48,8 @@ def scaled(setup, factor):
 
 def test_a_light_seen_edge_on_makes_no_sample_that_is_no_number():
     """The density of a point of a disc, as seen from the disc, is finite, its square is not."""
-    picture = picture_of(BEHIND_A_DISC, size=128, spp=32)
+    with pytest.warns(GemrenderWarning, match="^no stone is seen in the picture: something stands between"):
+        picture = picture_of(BEHIND_A_DISC, size=128, spp=32)
     assert picture.left_out == 0
     np.testing.assert_array_equal(picture.xyz, 0)
 
@@ -133,7 +134,10 @@ def test_a_light_of_radiance_0_is_a_black_screen():
 def test_a_black_screen_hides_what_is_behind_it():
     screen = Light(shape="disc", elevation=90, distance=10, radiance=0)
     hidden = replace(flagged(radiance=0), lights=(screen,))
-    np.testing.assert_array_equal(picture_of(hidden, size=8, spp=4).xyz, 0)
+    with pytest.warns(GemrenderWarning, match="^no stone is seen"):
+        picture = picture_of(hidden, size=8, spp=4)
+    np.testing.assert_array_equal(picture.xyz, 0)
+    assert picture.noise_of == "picture"
 
 
 @pytest.mark.parametrize("stock", [False, True])
