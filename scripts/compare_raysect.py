@@ -289,11 +289,10 @@ def gemrender_radiance(
     """
     from gemrender.render.backend import ensure_variant
     from gemrender.render.passes import Passes
+    from gemrender.scene.loading import load_scene
 
     ensure_variant("llvm_ad_spectral")
-    import mitsuba as mi
-
-    ours = Passes(mi.load_dict(mitsuba_scene(scene)))
+    ours = Passes(load_scene(mitsuba_scene(scene)))
     out = np.empty((2, len(bins), scene.pixels, scene.pixels))
     for number, one in enumerate(bins):
         first = (seed * len(bins) + number) * passes

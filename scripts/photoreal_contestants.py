@@ -22,6 +22,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from gemrender.errors import GemrenderError
+from gemrender.scene.loading import load_scene
 from gemrender.stone import Stone, load_stone, tessellate
 
 __all__ = ["BUILDERS", "ContestantError", "Remote", "Shot", "View", "cores", "scene"]
@@ -367,7 +368,7 @@ def mitsuba_scene(
         if quad.radiance:
             light = {"type": "area", "radiance": {"type": spectrum, "value": quad.radiance}}
             described[f"quad{number}"]["light"] = light
-    return mi.load_dict(described)
+    return load_scene(described)
 
 
 class StockPath:

@@ -45,6 +45,8 @@ MOST_ABSORPTION = 1e6
 #: Girdle diameters that stones may have [mm].
 DIAMETER_RANGE_MM = (0.1, 1000.0)
 
+#: Masses that a stone may have [carat]: from diamond dust of 0.1 mm to a boulder of 200 kg.
+CARAT_RANGE = (1e-5, 1e6)
 #: Mass of a carat [g].
 _CARAT_G = 0.2
 #: Wavelengths at which an index is checked: between its poles a formula is smooth.
@@ -259,11 +261,15 @@ def carat_to_girdle_diameter_mm(carat: float, volume: float, density: float) -> 
     Raises
     ------
     InputError
-        A number that is not above 0, or a diameter outside `DIAMETER_RANGE_MM`.
+        A value that is not finite and above 0, a mass outside `CARAT_RANGE`, or a diameter outside
+        `DIAMETER_RANGE_MM`.
     """
     for key, value in {"carat": carat, "volume": volume, "density": density}.items():
         if not finite(value) or value <= 0:
             raise InputError("must be a finite number above 0", key=key, value=value)
+    low, high = CARAT_RANGE
+    if not low <= carat <= high:
+        raise InputError(f"must be from {low:g} to {high:g} [carat]", key="carat", value=carat)
     volume_mm3 = 1000.0 * _CARAT_G * carat / density
     diameter = float(2.0 * (volume_mm3 / volume) ** (1 / 3))
     low, high = DIAMETER_RANGE_MM

@@ -18,6 +18,8 @@ ROULETTE_INSIDE, ROULETTE_OUTSIDE = 0.1, 0.15
 #: From so many surfaces on, a way goes on with probability `LATE_SURVIVAL` at each, whatever its throughput:
 #: rays can be caught by total reflection for ever.
 LATE, LATE_SURVIVAL = 1024, 0.98
+#: Throughput that counts as none: far below what a picture can show, and its reciprocal is a number still.
+NEGLIGIBLE = 1e-30
 
 
 class PathIntegrator(mi.SamplingIntegrator):
@@ -268,6 +270,7 @@ class PathIntegrator(mi.SamplingIntegrator):
                 found, Le = stones.outside(branch, side)
                 L += dr.select(side, side_β * Le, 0)
                 share = dr.select(found, side_counts * stones.mean(side_β), 0)
+                share = dr.select(share > NEGLIGIBLE, share, 0)
                 drawn_weight += share
                 take = (share > 0) & (chance.next_float32() * drawn_weight < share)
                 drawn_o, drawn_d = dr.select(take, side_o, drawn_o), dr.select(take, side_d, drawn_d)
@@ -301,7 +304,7 @@ class PathIntegrator(mi.SamplingIntegrator):
                 # ---- Russian roulette ----
                 q = dr.minimum(stones.weight(β_in, part & direct) * (1 / ROULETTE_INSIDE), 1)
                 q = dr.select(in_depth > LATE, q * LATE_SURVIVAL, q)
-                inside &= chance.next_float32() < q
+                inside &= (chance.next_float32() < q) & (q > NEGLIGIBLE)
                 β_in *= dr.select(inside, dr.rcp(q), 0)
 
                 # ---- The next wavelength ----
@@ -332,7 +335,7 @@ class PathIntegrator(mi.SamplingIntegrator):
             active = drawn | behind | (plain & (stones.mean(β) > 0))
             q = dr.minimum(stones.mean(β) * (1 / ROULETTE_OUTSIDE), 1)
             q = dr.select(depth > LATE, q * LATE_SURVIVAL, q)
-            active &= chance.next_float32() < q
+            active &= (chance.next_float32() < q) & (q > NEGLIGIBLE)
             β *= dr.select(active, dr.rcp(q), 0)
             ray.maxt = dr.largest(mi.Float)
 
@@ -341,8 +344,8 @@ class PathIntegrator(mi.SamplingIntegrator):
 
 def _mis_weight(pdf: mi.Float, other: mi.Float) -> mi.Float:
     """Power heuristic (Veach 1997, section 9.2.4) for a sample of density `pdf`, against one other."""
-    a, b = dr.square(pdf), dr.square(other)
-    return dr.select(a > 0, a / (a + b), 0)
+    # By the ratio: the square of a density can be infinite where a light is seen edge-on
+    return dr.select(pdf > 0, dr.rcp(1 + dr.square(other / pdf)), 0)
 
 
 def _as_rgb(value: mi.Spectrum) -> mi.Color3f:

@@ -41,8 +41,8 @@ MID_GREY = 0.18
 #: Largest correction of the exposure [EV], either way.
 EV_LIMIT = 20.0
 
-#: Allowed factors of an exposure.
-EXPOSURE_RANGE = (1e-30, 1e30)
+#: Allowed factors of an exposure: of any radiance that a set-up may have, with any correction.
+EXPOSURE_RANGE = (1e-40, 1e40)
 
 #: Share of the covered pixels that stay below `EXPOSED_TO` by the automatic exposure [%]. Fireflies are a
 #: few in a thousand; the sparkles of a stone may be more than one in a hundred, and shall blow out.

@@ -11,6 +11,7 @@ import numpy as np
 from gemrender.observation import MAP_CHANNELS, MAP_TYPES, Model, Observation, View
 from gemrender.render.backend import ensure_variant
 from gemrender.scene.generator import rows_window, sensor, stone_scene
+from gemrender.scene.loading import load_scene
 from gemrender.stone import Stone
 
 __all__ = ["film_rays", "follow", "observe", "sensor_rays"]
@@ -51,10 +52,8 @@ def observe(
     """
     model = model or Model.of(stone)
     ensure_variant(variant)
-    import mitsuba as mi
-
     start = time.perf_counter()
-    scene: Any = mi.load_dict(stone_scene(stone, view, model, rows=_rows_of_pass(view)))
+    scene: Any = load_scene(stone_scene(stone, view, model, rows=_rows_of_pass(view)))
     maps: dict[str, Any] = {
         name: np.empty((*view.shape, 3) if len(channels) == 3 else view.shape, dtype=MAP_TYPES[name])
         for name, channels in MAP_CHANNELS.items()
@@ -88,10 +87,8 @@ def sensor_rays(view: View, *, variant: str) -> tuple[np.ndarray, np.ndarray]:
         Starts [girdle radius] and directions, unit vectors but for single precision's rounding.
     """
     ensure_variant(variant)
-    import mitsuba as mi
-
     origin, direction = np.empty((*view.shape, 3)), np.empty((*view.shape, 3))
-    made: Any = mi.load_dict(sensor(view, rows=_rows_of_pass(view)))
+    made: Any = load_scene(sensor(view, rows=_rows_of_pass(view)))
     for first, kept, ray in _passes(made, view):
         for whole, values in ((origin, ray.o), (direction, ray.d)):
             # One direction serves all rays of a pass.

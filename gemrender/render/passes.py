@@ -7,6 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from gemrender.render.noise import relative_error
+from gemrender.scene.loading import load_scene
+
 __all__ = ["FIRST_NM", "LAST_NM", "Passes", "check_range"]
 
 #: Visible light, which pictures are made of [nm].
@@ -20,6 +23,10 @@ _N_DRAW = 1024
 #: Roberts' R5 sequence (pixel x and y, wavelength, lens u and v): powers of 1/g, g^6 = g + 1, in 2^-32.
 _G = 1.1673039782614187
 _STEPS = tuple(round((_G**-k % 1.0) * 2**32) for k in range(1, 6))
+
+#: Rounds of the cipher that makes numbers of pixel and seed: with Mitsuba's default of 4, neighbouring pixels
+#: and the two halves, whose seeds are neighbours, get numbers that go together; from 6 on none that do.
+_TEA_ROUNDS = 8
 
 
 class Passes:
@@ -45,6 +52,8 @@ class Passes:
     ----------
     samples : int
         Samples a pixel so far.
+    unsound : int
+        Samples, of all pixels, whose radiance was negative or not finite. They count as black.
 
     Raises
     ------
@@ -61,8 +70,6 @@ class Passes:
         bins_nm: Any = None,
         foreground: bool = False,
     ) -> None:
-        import mitsuba as mi
-
         self.scene, self.seed, self.filter_radius = scene, seed, filter_radius
         self.sensor = scene.sensors()[0]
         scene.integrator().check(scene, self.sensor)
@@ -72,10 +79,12 @@ class Passes:
         #: X, Y, Z, albedo, normal (3 each), coverage; of stones alone X, Y, Z, normal, coverage; bins.
         self._of_bins = slice(17 if foreground else 10, None)
         self._n_channels = self._of_bins.start + n_bins
-        self._is_stone = _stone_table(scene) if foreground else None
+        self._is_stone, self._has_foreground = _stone_table(scene), foreground
         self._halves = np.zeros((2, self.height * self.width, self._n_channels), dtype=np.float32)
         self._counts = [0, 0]
-        self._generator = mi.load_dict({"type": "multijitter"})
+        self.unsound, self._unsound_of_pass = 0, 0
+        self._shows_stone: np.ndarray | None = None
+        self._generator = load_scene({"type": "multijitter"})
         self._draw = _drawing_table()
         self._turns = 0
 
@@ -102,11 +111,13 @@ class Passes:
         half = self._turns % 2
         pixels = self.width * self.height
         sums = np.empty((pixels, self._n_channels), dtype=np.float32)
+        self._unsound_of_pass = 0
         for first in range(0, pixels, _TILE_PIXELS):
             last = min(first + _TILE_PIXELS, pixels)
             sums[first:last] = self._tile(first, last - first, spp, half)
         self._halves[half] += sums
         self._counts[half] += spp
+        self.unsound += self._unsound_of_pass
         self._turns += 1
 
     def radiance_at(self, nm: float, spp: int, *, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
@@ -165,20 +176,35 @@ class Passes:
         The values are means over all samples of a pixel, those beside the stones counting as 0. None if it
         was not asked for.
         """
-        if self._is_stone is None:
+        if not self._has_foreground:
             return None
         return self._mean(slice(10, 13)), self._mean(slice(13, 16)), self._mean(slice(16, 17))[..., 0]
 
+    @property
+    def stone_pixels(self) -> np.ndarray:
+        """Pixels whose middle shows a stone, (h, w) bool."""
+        if self._shows_stone is None:
+            pixels = self.width * self.height
+            parts = [
+                self._tile_shows_stone(first, min(_TILE_PIXELS, pixels - first))
+                for first in range(0, pixels, _TILE_PIXELS)
+            ]
+            self._shows_stone = np.concatenate(parts)
+        return self._shows_stone.reshape(self.height, self.width)
+
     def noise(self) -> float:
-        """Return the root mean square error of luminance by its mean; infinite before two passes."""
+        """Return the root mean square error of luminance by its mean, of the pixels that show stones.
+
+        Of all pixels where the middle of none shows a stone. Infinite before two passes, where a value is not
+        finite, and where all is black but for samples that were left out.
+        """
         if min(self._counts) == 0:
             return float("inf")
-        a, b = (self._halves[k, :, 1].astype(np.float64) / self._counts[k] for k in (0, 1))
-        weight = np.array(self._counts) / self.samples
-        # Of the weighted mean of halves of errors e_A, e_B with variances as 1/n: known by (A - B)^2
-        squared = float(np.mean((a - b) ** 2)) * float(weight[0] * weight[1])
-        mean = float(np.mean(weight[0] * a + weight[1] * b))
-        return float(np.sqrt(squared)) / mean if mean > 0 else 0.0
+        shown = self.stone_pixels.ravel()
+        a, b = self._halves[:, shown, 1] if shown.any() else self._halves[:, :, 1]
+        n_a, n_b = self._counts
+        error = relative_error(a / n_a, b / n_b, (n_a, n_b))
+        return float("inf") if error == 0 and self.unsound else error
 
     # ---- Kernels ----
 
@@ -191,9 +217,9 @@ class Passes:
         pixel = lanes // spp
         number = lanes - pixel * spp + dr.opaque(mi.UInt32, index)
         pixel += dr.opaque(mi.UInt32, first)
-        shift_a, shift_b = mi.sample_tea_32(pixel, dr.opaque(mi.UInt32, seed))
-        shift_c, shift_d = mi.sample_tea_32(shift_a, shift_b)
-        shift_e, _ = mi.sample_tea_32(shift_c, shift_d)
+        shift_a, shift_b = mi.sample_tea_32(pixel, dr.opaque(mi.UInt32, seed), _TEA_ROUNDS)
+        shift_c, shift_d = mi.sample_tea_32(shift_a, shift_b, _TEA_ROUNDS)
+        shift_e, _ = mi.sample_tea_32(shift_c, shift_d, _TEA_ROUNDS)
         shifts = (shift_a, shift_b, shift_c, shift_d, shift_e)
         # In whole numbers modulo 2^32: as even after a million samples as at first
         u = [
@@ -237,14 +263,18 @@ class Passes:
         xyz = [
             sum(L * w * r[k] for L, w, r in zip(radiance, weight, response, strict=True)) for k in range(3)
         ]
+        # One sample that is no light would spoil its pixel for good: it is left out, and counted
+        sound = dr.isfinite(dr.sum(xyz)) & (dr.min(radiance) >= 0)
+        radiance, xyz = dr.select(sound, radiance, 0), [dr.select(sound, x, 0) for x in xyz]
         channels = [*xyz, *aovs, dr.select(valid, mi.Float(1), 0)]
-        if self._is_stone is not None:
+        if self._has_foreground:
             on_stone = self._on_stone(ray)
             channels += [dr.select(on_stone, value, 0) for value in (*xyz, *aovs[3:], mi.Float(1))]
             radiance = dr.select(on_stone, radiance, 0)
         if self.bins_nm is not None:
             channels += self._binned(radiance, weight, nm)
-        dr.eval(channels)  # once for all: each sum would trace again
+        dr.eval(channels, sound)  # once for all: each sum would trace again
+        self._unsound_of_pass += n * spp - int(dr.count(sound)[0])
         sums = [dr.block_sum(channel, spp) for channel in channels]
         dr.eval(sums)
         return np.stack([np.asarray(s) for s in sums], axis=1)
@@ -257,6 +287,13 @@ class Passes:
         found = self.scene.ray_intersect_preliminary(ray)
         number = dr.reinterpret_array(mi.UInt32, found.shape)
         return found.is_valid() & dr.gather(mi.Bool, self._is_stone, number, found.is_valid())
+
+    def _tile_shows_stone(self, first: int, n: int) -> np.ndarray:
+        import drjit as dr
+        import mitsuba as mi
+
+        pixel = dr.arange(mi.UInt32, n) + dr.opaque(mi.UInt32, first)
+        return np.asarray(self._on_stone(self._rays(pixel, [mi.Float(0.5)] * 5, mi.Spectrum(550.0))))
 
     def _binned(self, radiance: Any, weight: Any, nm: Any) -> list[Any]:
         import drjit as dr

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import time
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from gemrender.errors import BackendError, InputError
+from gemrender.errors import BackendError, GemrenderError, GemrenderWarning, InputError
 from gemrender.optics import carat_to_girdle_diameter_mm, load_material
 from gemrender.render.backend import ensure_variant
 from gemrender.render.passes import Passes
+from gemrender.scene.loading import load_scene
 from gemrender.scene.photoreal import Gem, photoreal_scene
 from gemrender.scene.setup import Setup
 from gemrender.stone import Stone, tessellate
@@ -22,8 +24,14 @@ __all__ = ["DEFAULT_VARIANT", "Foreground", "Picture", "make_gems", "render", "r
 DEFAULT_VARIANT = "llvm_ad_spectral"
 #: Girdle diameter where neither carat nor millimetres are given [mm]: about 1 carat of diamond.
 DEFAULT_DIAMETER_MM = 6.5
+#: Girdle diameters that a stone may have, given or by its weight [mm].
+DIAMETER_RANGE_MM = (0.1, 1000.0)
 #: Radius of the tent that pixels are filtered by [pixel].
 FILTER_RADIUS = 1.0
+#: In a picture of fewer pixels the middle of none may show a stone, though parts do.
+FEW_PIXELS = 64
+#: Share of samples that may be left out, as they are no light: by far less than what is seen.
+MOST_UNSOUND = 1e-4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -67,7 +75,11 @@ class Picture:
     samples : int
         Samples a pixel.
     noise : float
-        Root mean square error of luminance, as a share of its mean.
+        Root mean square error of luminance, as a share of its mean; of which pixels, `noise_of` says.
+    noise_of : {"stones", "picture"}
+        The pixels whose middle shows a stone, or all, where there are none of those.
+    left_out : int
+        Samples, of all pixels, that were left out, as their radiance was negative or not finite.
     seconds : float
         Time it took [s].
     stopped : {"samples", "noise", "time", "interrupted"}
@@ -84,6 +96,8 @@ class Picture:
     bins_nm: np.ndarray | None
     samples: int
     noise: float
+    noise_of: str = "stones"
+    left_out: int = 0
     seconds: float
     stopped: str
     foreground: Foreground | None = None
@@ -114,8 +128,8 @@ def make_gems(
     """
     if carat is not None and diameter_mm is not None:
         raise InputError("give a weight or a diameter, not both", key="carat", value=carat)
-    if diameter_mm is not None and not 0.1 <= diameter_mm <= 1000:
-        raise InputError("must be from 0.1 to 1000 [mm]", key="diameter", value=diameter_mm)
+    if diameter_mm is not None:
+        _check_diameter(diameter_mm, "diameter", diameter_mm)
     gems = []
     for stone in stones:
         named = material if material is not None else stone.material
@@ -135,8 +149,15 @@ def make_gems(
                     "needs the material's density, which its file does not give", key="carat", value=carat
                 )
             diameter = carat_to_girdle_diameter_mm(carat, _volume(stone), of_stone.density)
+            _check_diameter(diameter, "carat", carat, f"makes a girdle of {diameter:.3g} mm, which ")
         gems.append(Gem(stone=stone, material=of_stone, material_name=name, diameter_mm=diameter))
     return gems
+
+
+def _check_diameter(diameter_mm: float, key: str, value: float, told: str = "") -> None:
+    low, high = DIAMETER_RANGE_MM
+    if not low <= diameter_mm <= high:
+        raise InputError(f"{told}must be from {low:g} to {high:g} [mm]", key=key, value=value)
 
 
 def require_denoiser() -> Any:
@@ -190,7 +211,7 @@ def render(
     spp : int, optional
         Samples a pixel.
     noise : float, optional
-        Root mean square error of luminance, as a share of its mean.
+        Root mean square error of luminance of the stones' pixels, as a share of their mean.
     time_limit : float, optional
         Time [s]; at least one pass is rendered.
     seed : int
@@ -217,13 +238,18 @@ def render(
         Mitsuba cannot run here.
     KeyboardInterrupt
         Interrupted before the first pass was done.
+    GemrenderError
+        So many samples had a radiance that is negative or not finite that the picture is wrong.
+
+    Warns
+    -----
+    GemrenderWarning
+        Some samples had one, and were left out; or no stone is seen.
     """
     _check_ends(spp, noise, time_limit, seed)
     if not variant.endswith("_spectral"):
         raise InputError("must be a spectral variant, as llvm_ad_spectral", key="variant", value=variant)
     ensure_variant(variant)
-    import mitsuba as mi
-
     started = time.perf_counter()
     scene = photoreal_scene(
         gems,
@@ -235,13 +261,18 @@ def render(
         turntable=turntable,
     )
     passes = Passes(
-        mi.load_dict(scene.to_dict()),
+        load_scene(scene.to_dict()),
         seed=seed,
         filter_radius=FILTER_RADIUS,
         bins_nm=bins_nm,
         foreground=transparent,
     )
     stopped = _run(passes, spp, noise, time_limit, started, progress)
+    if passes.unsound:
+        warnings.warn(f"{_told(passes)}; they are left out", GemrenderWarning, stacklevel=2)
+    if width * height >= FEW_PIXELS and not passes.stone_pixels.any():
+        told = "no stone is seen in the picture: something stands between them and the camera"
+        warnings.warn(told, GemrenderWarning, stacklevel=2)
     return Picture(
         xyz=passes.xyz,
         albedo=passes.albedo,
@@ -251,6 +282,8 @@ def render(
         bins_nm=passes.bins_nm,
         samples=passes.samples,
         noise=passes.noise(),
+        noise_of="stones" if passes.stone_pixels.any() else "picture",
+        left_out=passes.unsound,
         seconds=time.perf_counter() - started,
         stopped=stopped,
         foreground=_foreground(passes),
@@ -285,6 +318,7 @@ def _run(
             if spp is not None:
                 most = min(most, -(-spp // 2))  # two passes at least: their difference tells the noise
             passes.add(most if left is None else min(most, left))
+            _check_sound(passes)
     except KeyboardInterrupt:
         if passes.samples == 0:
             raise
@@ -296,6 +330,18 @@ def _foreground(passes: Passes) -> Foreground | None:
         return None
     xyz, normal, alpha = passes.foreground
     return Foreground(xyz=xyz, normal=normal, alpha=alpha)
+
+
+def _check_sound(passes: Passes) -> None:
+    """Check that samples which are no light are few, and there is light beside them."""
+    total = passes.samples * passes.width * passes.height
+    if passes.unsound and (passes.unsound > MOST_UNSOUND * total or not passes.xyz.any()):
+        raise GemrenderError(f"{_told(passes)}: too many to leave out")
+
+
+def _told(passes: Passes) -> str:
+    total = passes.samples * passes.width * passes.height
+    return f"{passes.unsound} of {total} samples had a radiance that is negative or not finite"
 
 
 def _share(

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from gemrender.scene.convex import ConvexSolid, convex_solid
+from gemrender.scene.loading import load_scene
 from gemrender.scene.placing import Placed
 from gemrender.stone import Stone, StoneMesh, tessellate
 
@@ -132,7 +133,7 @@ def _mesh(
 
     props = mi.Properties()
     if bsdf is not None:
-        props["mesh_bsdf"] = mi.load_dict(bsdf)
+        props["mesh_bsdf"] = load_scene(bsdf)
     shape = mi.Mesh(name, len(positions), len(faces), has_vertex_normals=True, props=props)
     parameters = mi.traverse(shape)
     parameters["vertex_positions"] = mi.Float(positions.astype(np.float32).ravel())

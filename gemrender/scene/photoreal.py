@@ -275,15 +275,21 @@ def _lights(setup: Setup, target: np.ndarray, stock: bool) -> dict[str, Any]:
     import mitsuba as mi
 
     out: dict[str, Any] = {}
+    # Their surface is black: what is seen of a light is its radiance, not light of others that it reflects.
+    # Without a radiance it is a black screen; Mitsuba takes no emitter that emits nothing.
+    black = {"type": "diffuse", "reflectance": _reflectance(0.0, stock)}
     for number, light in enumerate(setup.lights, start=1):
-        emitter = {"type": "area", "radiance": _emission(light.radiance, light.spectrum, setup, stock)}
+        surface: dict[str, Any] = {"bsdf": black}
+        if light.radiance > 0:
+            radiance = _emission(light.radiance, light.spectrum, setup, stock)
+            surface["emitter"] = {"type": "area", "radiance": radiance}
         place = target + light.distance * towards(light.elevation, light.azimuth)
         if light.shape == "sphere":
             out[f"light_{number}"] = {
                 "type": "sphere",
                 "center": place.tolist(),
                 "radius": 0.5 * light.size[0],
-                "emitter": emitter,
+                **surface,
             }
             continue
         to_world = _facing(light, place, target)
@@ -296,14 +302,14 @@ def _lights(setup: Setup, target: np.ndarray, stock: bool) -> dict[str, Any]:
                 out[f"light_{number}_{k + 1}"] = {
                     "type": "disk",
                     "to_world": to_world @ diode,
-                    "emitter": emitter,
+                    **surface,
                 }
             continue
         scale = mi.ScalarTransform4f().scale([0.5 * width, 0.5 * height, 1.0])
         out[f"light_{number}"] = {
             "type": "rectangle" if light.shape == "rectangle" else "disk",
             "to_world": to_world @ scale,
-            "emitter": emitter,
+            **surface,
         }
     return out
 
@@ -348,7 +354,8 @@ def _emission(radiance: float, spectrum: str | float, setup: Setup, stock: bool)
         "type": "regular",
         "wavelength_min": float(_SPECTRUM_NM[0]),
         "wavelength_max": float(_SPECTRUM_NM[-1]),
-        "values": ", ".join(f"{x:.6g}" for x in values),
+        # With all digits of single precision: twice the radiance is twice the picture
+        "values": ", ".join(f"{x:.9g}" for x in values),
     }
 
 

@@ -43,6 +43,8 @@ SKIES = ("uniform", "hemisphere")
 GROUNDS = ("none", "plane", "sweep", "cup")
 EXPOSURES = ("stones", "ground")
 POSES = ("table-up", "lying", "table-down")
+#: Radiances that are not 0: single precision holds what is left of the least after many reflections.
+RADIANCE_RANGE = (1e-20, 1e9)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -105,7 +107,8 @@ class Light:
     count : int
         Discs of a ring.
     radiance : float
-        Luminance, relative: that of white ground under a sky of radiance 1 is its reflectance.
+        Luminance, relative: that of white ground under a sky of radiance 1 is its reflectance. All that is
+        seen of a light is its radiance, its surface is black; of radiance 0 it is a black screen.
     spectrum : str or float
         A light of colorimetry ("d65", "a", "e", ...) or the temperature of a blackbody [K].
     """
@@ -125,7 +128,7 @@ class Light:
             mistakes.of(_within, self, "elevation", -90, 90)
             mistakes.of(_within, self, "azimuth", -360, 360)
             mistakes.of(_within, self, "distance", 0.1, 1e4)
-            mistakes.of(_within, self, "radiance", 0, 1e9)
+            mistakes.of(_radiance, self)
             mistakes.of(_spectrum, self)
             size = mistakes.of(_size, self.size)
             if isinstance(self.count, bool) or not isinstance(self.count, int) or not 1 <= self.count <= 256:
@@ -155,7 +158,7 @@ class Sky:
     def __post_init__(self) -> None:
         with Mistakes() as mistakes:
             mistakes.of(_one_of, self, "type", SKIES)
-            mistakes.of(_within, self, "radiance", 0, 1e9)
+            mistakes.of(_radiance, self)
             mistakes.of(_spectrum, self)
 
 
@@ -346,6 +349,13 @@ def _within(part: Any, key: str, low: float, high: float) -> None:
     number = isinstance(value, (int, float)) and not isinstance(value, bool)
     if not number or not low <= value <= high:  # false for NaN too
         raise InputError(f"must be a number from {low:g} to {high:g}", key=key, value=value)
+
+
+def _radiance(part: Any) -> None:
+    low, high = RADIANCE_RANGE
+    _within(part, "radiance", 0, high)
+    if 0 < part.radiance < low:
+        raise InputError(f"must be 0 or from {low:g} to {high:g}", key="radiance", value=part.radiance)
 
 
 def _spectrum(part: Any, key: str = "spectrum") -> None:

@@ -126,6 +126,14 @@ def test_meshes_are_made_in_one_file_only(module):
         assert not (isinstance(node, ast.expr) and is_mitsuba(node, "Mesh")), f"line {node.lineno}"
 
 
+def test_scenes_are_loaded_in_one_file_only(module):
+    """Which keeps their order: `scene/loading.py`."""
+    if module == PACKAGE / "scene" / "loading.py":
+        return
+    for node in ast.walk(parsed(module)):
+        assert not (isinstance(node, ast.expr) and is_mitsuba(node, "load_")), f"line {node.lineno}"
+
+
 def test_plugins_are_reached_by_name_only(module):
     """A plugin's class imported from its module is soon that of another variant."""
     if part_of(module) == "plugins":

@@ -189,12 +189,21 @@ def test_sizes_go_into_the_scene(variant_llvm_ad_spectral):
         ({"diameter_mm": math.nan}, "diameter = nan: must be from 0.1 to 1000 [mm]"),
         ({"carat": -1.0}, "carat = -1.0: must be a finite number above 0"),
         ({"carat": 0.0}, "carat = 0.0: must be a finite number above 0"),
+        ({"carat": 1e9}, "carat = 1000000000.0: must be from 1e-05 to 1e+06 [carat]"),
+        ({"diameter_mm": 1e4}, "diameter = 10000.0: must be from 0.1 to 1000 [mm]"),
     ],
 )
 def test_sizes_that_no_stone_has_are_refused(options, line):
     with pytest.raises(InputError) as caught:
         make_gems(ROW, **options)
     assert str(caught.value) == line
+
+
+def test_a_weight_that_makes_too_wide_a_stone_is_refused(monkeypatch):
+    monkeypatch.setattr("gemrender.render.photoreal.DIAMETER_RANGE_MM", (0.1, 500.0))
+    line = r"^carat = 900000: makes a girdle of \d+ mm, which must be from 0.1 to 500 \[mm\]$"
+    with pytest.raises(InputError, match=line):
+        make_gems(ROW[:1], carat=900_000)
 
 
 def test_a_weight_needs_a_density():
