@@ -49,7 +49,7 @@ def render(
         number_option(
             "--noise",
             "0 to 1",
-            "End at this noise: error of luminance by its mean.",
+            "End at this noise: error of luminance on the stones, by its mean.",
             metavar="SHARE",
         ),
     ] = None,
@@ -187,7 +187,9 @@ def _still(
         "Description": f"set-up {setup.name}, {picture.samples} samples a pixel",
     }
     write_picture(path, picture, setup, exposure=exposure, curve=curve, about=about)
-    noise = f"noise {picture.noise:.2g}" if isfinite(picture.noise) else "noise not known of one pass"
+    noise = "noise not known of one pass"
+    if isfinite(picture.noise):
+        noise = f"noise {picture.noise:.2g} of the {picture.noise_of}"
     say(
         f"written: {path} ({picture.samples} samples a pixel, {noise}, "
         f"{picture.seconds:.1f} s, exposure {exposure:.3g})"

@@ -48,7 +48,9 @@ def denoised(picture: Picture) -> Picture:
 
 def _denoised(oidn: Any, xyz: np.ndarray, albedo: np.ndarray, normal: np.ndarray) -> np.ndarray:
     """Return XYZ after the denoiser."""
-    rgb = xyz_to_linear_srgb(xyz)
+    # It has been taught pictures of a luminance about 1, and is wrong in the dark.
+    level = float(xyz[..., 1].mean(dtype=np.float64)) or 1.0
+    rgb = xyz_to_linear_srgb((xyz / level).astype(np.float32))
     albedo = np.ascontiguousarray(np.clip(albedo, 0, 1))
     normal = np.ascontiguousarray(normal)
     device, out = oidn.Device(oidn.DeviceType.CPU), np.zeros_like(rgb)
@@ -63,7 +65,7 @@ def _denoised(oidn: Any, xyz: np.ndarray, albedo: np.ndarray, normal: np.ndarray
         denoise.max_memory_mb = DENOISER_MB  # it works in tiles, then
         denoise.execute()
         out += sign * result
-    return np.asarray(out @ np.linalg.inv(matrix_to_linear_srgb()).T.astype(np.float32))
+    return np.asarray(level * (out @ np.linalg.inv(matrix_to_linear_srgb()).T.astype(np.float32)))
 
 
 def exposure_of(picture: Picture, setup: Setup, *, ev: float = 0.0) -> float:

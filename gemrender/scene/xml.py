@@ -136,7 +136,7 @@ def _heading(what: str, name: str, variant: str) -> str:
     return _comment(f"""{what}, written by gemrender scene. {how}
     import gemrender
     mi = gemrender.mitsuba("{variant}")
-    scene = mi.load_file("{_apart(name, '""')}.xml")
+    scene = mi.load_file("{_apart(name, '""')}.xml", optimize=False)
     image = mi.render(scene)
 """)
 

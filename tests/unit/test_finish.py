@@ -14,6 +14,8 @@ from gemrender.render.finish import PAPER, denoised, developed, exposure_of, wri
 from gemrender.render.photoreal import Foreground, Picture
 from gemrender.scene.setup import Setup, Sky
 
+#: What the denoiser may change where all is brighter or darker: rounding in single precision.
+DENOISED = 1e-4
 SETUP = Setup(name="A", sky=Sky(radiance=1.0))
 
 
@@ -158,3 +160,12 @@ def test_the_denoiser_leaves_nothing_beside_the_stones():
     assert np.abs(after.xyz[:, 4:]).max() == 0
     assert after.xyz[:, :3, 1].mean() == pytest.approx(0.4, rel=0.1)
     np.testing.assert_array_equal(after.alpha, cut_out()[0].foreground.alpha)
+
+
+@pytest.mark.parametrize("radiance", [1e-12, 1e-6, 1e6])
+def test_the_denoiser_takes_the_dark_as_it_takes_the_light(radiance):
+    pytest.importorskip("mitsuba_oidn")
+    picture = cut_out()[0]
+    dim = dataclasses.replace(picture, xyz=(radiance * picture.xyz).astype(np.float32), foreground=None)
+    expected = denoised(dataclasses.replace(picture, foreground=None)).xyz
+    assert np.abs(denoised(dim).xyz / radiance - expected).max() < DENOISED
