@@ -114,6 +114,8 @@ class Score:
         of 99.9 % [%].
     facets : FacetSizes or None
         Of an exact score: number and sizes of the virtual facets.
+    assumed : tuple of str
+        What was assumed of the stone, as its description left it out (`Stone.assumed`).
     notes : tuple of str
         What was asked for and not reached, in words, such as a bound; empty where all was.
     """
@@ -136,13 +138,14 @@ class Score:
     seconds: float
     bound: float | None = None
     facets: FacetSizes | None = None
+    assumed: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 
     def to_dict(self) -> dict[str, Any]:
         """Return the score as the command line's JSON has it."""
         values = asdict(self)
         values["bands"] = [{"from": b.low, "to": b.high, "share": b.share} for b in self.bands]
-        values["notes"] = list(self.notes)
+        values["assumed"], values["notes"] = list(self.assumed), list(self.notes)
         if self.facets is not None:
             values["facets"]["classes"] = [
                 {"from": low, "number": number, "share": share} for low, number, share in self.facets.classes
@@ -201,7 +204,8 @@ def score_pixels(observation: Observation) -> Score:
         variant=observation.variant,
         resolution=int(observation.view.resolution),
         seconds=observation.seconds,
-        **_what_was_asked(observation.view, observation.model),
+        assumed=observation.stone.assumed,
+        **_request(observation.view, observation.model),
     )
 
 
@@ -224,7 +228,7 @@ def _bands(shares: Iterable[float]) -> tuple[Band, ...]:
     )
 
 
-def _what_was_asked(view: View, model: Model) -> dict[str, Any]:
+def _request(view: View, model: Model) -> dict[str, Any]:
     return {
         "tilt_deg": float(view.tilt_deg),
         "tilt_azimuth_deg": float(view.tilt_azimuth_deg),
@@ -252,8 +256,9 @@ def score_measurement(
         seconds=measured.seconds if seconds is None else seconds,
         bound=measured.bound,
         facets=_facet_sizes(measured),
+        assumed=stone.assumed,
         notes=measured.notes,
-        **_what_was_asked(view, model),
+        **_request(view, model),
     )
 
 

@@ -18,8 +18,8 @@ SHARE = 1e-12
 
 STONE = load_stone("inoue-3")
 ROOT = Path(__file__).parents[1]
-#: By these rich takes a file for a terminal.
-TERMINAL_VARIABLES = ("FORCE_COLOR", "TTY_COMPATIBLE", "TTY_INTERACTIVE")
+#: By these rich takes a file for a terminal, or of some width.
+TERMINAL_VARIABLES = ("FORCE_COLOR", "TTY_COMPATIBLE", "TTY_INTERACTIVE", "COLUMNS")
 
 
 def observation(

@@ -154,12 +154,14 @@ def score_record(score: Score, settings: dict[str, Any] | None = None) -> dict[s
     """
     values = score.to_dict()
     facets = values.pop("facets")
+    last = {key: values.pop(key) for key in ("assumed", "notes")}
     values.pop("bands")
     first = {"name": values.pop("name"), **(settings or {})}
     main = {key: values.pop(key) for key in ("average", "rear")}
     bands = {band_key(b): b.share for b in score.bands}
     how = {key: values.pop(key) for key in ("trapped", "lost", "bound", "engine", "index", "rear_rule")}
-    return {**first, **main, **bands, **how, **values, "facets": None if facets is None else facets["number"]}
+    number = None if facets is None else facets["number"]
+    return {**first, **main, **bands, **how, **values, "facets": number, **last}
 
 
 # ---- Cross-checks --------------------------------------------------------------------------------------

@@ -463,8 +463,8 @@ GLASS = """
 wavelength_nm = [380, 760]
 n = [2.1, 2.0]
 [absorption]
-wavelength_nm = [400, 700]
-per_mm = [0.4, 0.1]
+wavelength_nm = [380, 400, 700, 760]
+per_mm = [0.4, 0.4, 0.1, 0.1]
 """
 
 

@@ -526,8 +526,7 @@ def test17_the_command(tmp_path):
     assert result.exit_code == 0, result.output
     told = page_data(out.read_text(encoding="utf-8"))
     assert [stone["name"] for stone in told["stones"]] == ["Inoue sample 3", "Inoue sample 1"]
-    for wrong in (["inoue-3"] * 500, ["inoue-3", "--out", str(tmp_path)]):
-        assert isinstance(CliRunner().invoke(app, wrong).exception, InputError)
+    assert isinstance(CliRunner().invoke(app, ["inoue-3"] * 500).exception, InputError)
 
 
 @pytest.fixture(scope="module")

@@ -19,7 +19,8 @@ from gemrender.beam.sensitivity import sensitivity
 from gemrender.engines import require_engine
 from gemrender.errors import InputError
 from gemrender.observation import MAP_TYPES, Model, View, bound_text
-from gemrender.report.tables import print_scores
+from gemrender.report.formats import print_tables
+from gemrender.report.tables import score_table
 from gemrender.score import score, score_measurement
 from gemrender.stone import RoundBrilliant, Stone, load_stone
 
@@ -180,7 +181,7 @@ def test_notes_are_in_the_score_its_json_and_its_table():
     assert list(told.to_dict())[-1] == "notes"
     assert told.to_dict()["notes"] == list(told.notes)
     console = Console(width=200, file=io.StringIO())
-    print_scores([told], console)
+    print_tables([score_table([told])], console)
     text = console.file.getvalue()
     assert f"{STONE.name}: {told.notes[0]}." in text
     assert f"every figure within ±{bound_text(told.bound)}." in text

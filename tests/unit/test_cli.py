@@ -85,7 +85,7 @@ BAD_INPUT = {
     "score table.toml": "table.toml: proportions.table = 'wide': must be a number",
     "score short.csv": "short.csv: 1 rows: must be 57: ",
     # ---- Options ----
-    f"{SCORE} --resoluton 9": "--resoluton: unknown option; must be one of --engine, --variant, ",
+    f"{SCORE} --resoluton 9": "--resoluton: unknown option; must be one of --set, --engine, --variant, ",
     f"{SCORE} --resolution": "--resolution: requires an argument",
     f"{SCORE} --json=3": "--json: does not take a value",
     "stones inoue-1": "stones: got unexpected extra argument",

@@ -30,7 +30,7 @@ A1,Round Brilliant,1.01,57,61.5,34.5,40.8,Thin - Medium,None,50,80
 @pytest.fixture
 def gemrender(capsys, monkeypatch):
     """Run the command line in this process; returns exit status, stdout and stderr."""
-    for variable in (*TERMINAL_VARIABLES, "COLUMNS"):
+    for variable in TERMINAL_VARIABLES:
         monkeypatch.delenv(variable, raising=False)
 
     def run(*arguments):

@@ -100,7 +100,7 @@ def test_the_json_keeps_the_contract_and_adds_at_the_end():
     contract = ["name", "average", "rear", "bands", "trapped", "engine", "variant", "resolution", "fresnel"]
     assert keys[:10] == [*contract, "seconds"]
     assert keys[10:16] == ["lost", "tilt_deg", "tilt_azimuth_deg", "rear_rule", "intensity", "index"]
-    assert keys[16:] == ["bound", "facets", "notes"]
+    assert keys[16:] == ["bound", "facets", "assumed", "notes"]
 
 
 def test_the_json_holds_a_band_as_from_to_share():
