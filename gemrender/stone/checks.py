@@ -144,23 +144,32 @@ def _check_faces(v: np.ndarray) -> None:
         raise InputError(f"facet {names[i]} does not face {side}: are its vertices in order?", key=_KEY)
 
     # Hollow edges: how far the neighbour's third vertex rises above a triangle's plane, as an angle.
+    a, b, i, j = _INNER_EDGES.T
+    along = v[b] - v[a]
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    sines = np.einsum("ij,ij->i", np.cross(normals[i], normals[j]), along)
+    angles = np.degrees(np.arctan2(sines, np.einsum("ij,ij->i", normals[i], normals[j])))
+    for k in np.flatnonzero(angles < -MOST_HOLLOW_DEG).tolist():
+        one, other = names[i[k]], names[j[k]]
+        raise InputError(
+            f"the stone is hollow by {-angles[k]:.1f} deg at the edge {VERTEX_LABELS[a[k]]} - "
+            f"{VERTEX_LABELS[b[k]]} ({one if one == other else f'{one} and {other}'}); at most "
+            f"{MOST_HOLLOW_DEG:g} deg is allowed",
+            key=_KEY,
+        )
+
+
+def _inner_edges() -> np.ndarray:
+    """Return the edges between two triangles, (n, 4): both vertices, and the triangles on either side."""
     edges: dict[tuple[int, int], int] = {}
-    for i, triangle in enumerate(TRIANGLES):
+    for i, triangle in enumerate(TRIANGLES.tolist()):
         for k in range(3):
-            edges[(int(triangle[k]), int(triangle[(k + 1) % 3]))] = i
-    for (a, b), i in edges.items():
-        j = edges.get((b, a))
-        if j is None or i > j:
-            continue  # a girdle edge, or seen from the other side
-        along = (v[b] - v[a]) / np.linalg.norm(v[b] - v[a])
-        angle = np.degrees(np.arctan2(np.cross(normals[i], normals[j]) @ along, normals[i] @ normals[j]))
-        if angle < -MOST_HOLLOW_DEG:
-            between = names[i] if names[i] == names[j] else f"{names[i]} and {names[j]}"
-            raise InputError(
-                f"the stone is hollow by {-angle:.1f} deg at the edge {VERTEX_LABELS[a]} - "
-                f"{VERTEX_LABELS[b]} ({between}); at most {MOST_HOLLOW_DEG:g} deg is allowed",
-                key=_KEY,
-            )
+            edges[(triangle[k], triangle[(k + 1) % 3])] = i
+    # Those of the girdle have one triangle only.
+    return np.array([(a, b, i, edges[b, a]) for (a, b), i in edges.items() if i < edges.get((b, a), -1)])
+
+
+_INNER_EDGES = _inner_edges()
 
 
 def _at(vertex: int, allowed: str) -> InputError:
