@@ -14,7 +14,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from observations import TERMINAL_VARIABLES
 
+from gemrender import cli
 from gemrender.errors import BackendError
 from gemrender.render.backend import ensure_variant, prepare_llvm
 
@@ -74,3 +76,24 @@ def ply(tmp_path: Path) -> Callable[..., dict[str, object]]:
         return {"type": "ply", "filename": str(path), "bsdf": bsdf, **more}
 
     return stone
+
+
+@pytest.fixture
+def gemrender(capsys, monkeypatch):
+    """Run the command line in this process; returns exit status, stdout and stderr."""
+    for variable in TERMINAL_VARIABLES:
+        monkeypatch.delenv(variable, raising=False)
+
+    def run(*arguments):
+        with pytest.raises(SystemExit) as caught:
+            cli.main([str(argument) for argument in arguments])
+        return (caught.value.code, *capsys.readouterr())
+
+    return run
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """An empty folder to work in."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path

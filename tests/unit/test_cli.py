@@ -10,10 +10,10 @@ import time
 from pathlib import Path
 
 import pytest
-from observations import ROOT, TERMINAL_VARIABLES, environment, run_gemrender, run_python
+from observations import ROOT, environment, run_gemrender, run_python
 from solids import bent_stone
 
-from gemrender import cli, crosscheck
+from gemrender import crosscheck
 from gemrender.cli import output
 from gemrender.stone import bundled_stones
 from gemrender.stone.files import save_vertices
@@ -35,27 +35,6 @@ pavilion_depth = 43.08
 girdle_thickness = 2.50
 """
 SAPPHIRE = '[material]\nname = "sapphire"\n'
-
-
-@pytest.fixture
-def gemrender(capsys, monkeypatch):
-    """Run the command line in this process; returns exit status, stdout and stderr."""
-    for variable in TERMINAL_VARIABLES:
-        monkeypatch.delenv(variable, raising=False)
-
-    def run(*arguments):
-        with pytest.raises(SystemExit) as caught:
-            cli.main([str(argument) for argument in arguments])
-        return (caught.value.code, *capsys.readouterr())
-
-    return run
-
-
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    """An empty folder to work in."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
 
 
 def stone_file(path, name="a stone", more=""):

@@ -13,9 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from gemrender import cli
 from gemrender.stone import bundled_stones
-from tests.observations import TERMINAL_VARIABLES, environment, run_gemrender
+from tests.observations import environment, run_gemrender
 
 FAST = ["--engine", "reference", "--resolution", "16"]
 BANDS = ["band_75", "band_60", "band_45", "band_30", "band_15", "band_0"]
@@ -25,27 +24,6 @@ Report No,Shape,Carat,Table %,Depth %,Crown Angle,Pavilion Angle,Girdle,Culet,St
 A1,Round Brilliant,1.01,57,61.5,34.5,40.8,Thin - Medium,None,50,80
 =B2,Round,0.9,56,62.1,35,40.6,Medium,Pointed,,
 """
-
-
-@pytest.fixture
-def gemrender(capsys, monkeypatch):
-    """Run the command line in this process; returns exit status, stdout and stderr."""
-    for variable in TERMINAL_VARIABLES:
-        monkeypatch.delenv(variable, raising=False)
-
-    def run(*arguments):
-        with pytest.raises(SystemExit) as caught:
-            cli.main([str(argument) for argument in arguments])
-        return (caught.value.code, *capsys.readouterr())
-
-    return run
-
-
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    """An empty folder to work in."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
 
 
 def rows(text):

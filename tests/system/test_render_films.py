@@ -1,0 +1,254 @@
+"""`gemrender render`: films of one turn, that go on where they were interrupted."""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from observations import run_python
+from render_help import (
+    FILM,
+    interrupt_after,
+    names,
+)
+
+from gemrender.render import frames
+
+
+def pictures(av, path):
+    with av.open(str(path)) as film:
+        (stream,) = film.streams.video
+        return float(stream.average_rate), [frame.to_ndarray(format="rgb24") for frame in film.decode(stream)]
+
+
+def test_a_film_is_one_turn(gemrender, folder, av, turns):
+    status, out, err = gemrender(*FILM, "--fps", "12")
+    assert (status, out, err) == (0, "", "written: x.mp4\n")
+    assert turns() == [0, 120, 240]
+    assert names(".") == {"x.mp4"}
+    rate, images = pictures(av, "x.mp4")
+    assert rate == 12
+    assert [image.shape for image in images] == [(16, 16, 3)] * 3
+    assert max(image.mean() for image in images) > 30
+
+
+@pytest.mark.parametrize(("at", "done"), [(0, 0), (240, 2)])
+def test_a_film_goes_on_where_it_was_interrupted(at, done, gemrender, folder, av, turns):
+    assert gemrender(*FILM)[0] == 0
+    whole = pictures(av, "x.mp4")
+    Path("x.mp4").unlink()
+    turns()
+
+    turns.at = at
+    status, out, err = gemrender(*FILM)
+    assert (status, out) == (130, "")
+    assert err.splitlines() == [
+        "interrupted: the frames so far are in x.mp4.frames; the same command goes on from there",
+        "gemrender: interrupted",
+    ]
+    assert names(".") == {"x.mp4.frames"}
+    assert names("x.mp4.frames") == {"journal.jsonl", *(f"{k:05d}.png" for k in range(done))}
+    assert turns() == [120 * k for k in range(done)]
+
+    turns.at = None
+    assert gemrender(*FILM)[0] == 0
+    assert turns() == [120 * k for k in range(done, 3)]
+    assert names(".") == {"x.mp4"}
+    np.testing.assert_array_equal(pictures(av, "x.mp4")[1], whole[1])
+
+
+#: A film that is killed where the first argument says.
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from PIL import Image
+from gemrender import cli
+from gemrender.render import frames
+
+def half_then_killed(path, *_, **__):
+    Path(path).write_bytes(b"half")
+    os.kill(os.getpid(), signal.SIGKILL)
+
+class Journal(frames.Journal):
+    def add(self, k, *line):
+        if k == 2:
+            self._file.write(f"[{k}, 0.".encode())
+            os.kill(os.getpid(), signal.SIGKILL)
+        super().add(k, *line)
+
+where, *arguments = sys.argv[1:]
+save = Image.Image.save
+if where == "frame":
+    Image.Image.save = lambda image, path, *a, **b: (
+        half_then_killed if Path(path).name == "00001.png" else save.__get__(image))(path, *a, **b)
+elif where == "journal":
+    frames.Journal = Journal
+else:
+    frames.encode_film = half_then_killed
+cli.main(arguments)
+"""
+
+
+def test_a_film_killed_three_times_is_that_of_one_go(gemrender, folder, av, turns, monkeypatch):
+    for where, done in (("frame", 1), ("journal", 2), ("film", 3)):
+        killed = run_python("-c", KILLED, where, *FILM)
+        assert (killed.returncode, killed.stdout) == (-signal.SIGKILL, "")
+        lines = Path("x.mp4.frames/journal.jsonl").read_text().splitlines()[1:]
+        assert [json.loads(line)[0] for line in lines[:done]] == list(range(done))
+        assert not Path("x.mp4").exists()
+    assert gemrender(*FILM) == (0, "", "written: x.mp4\n")
+    assert turns() == []
+    assert names(".") == {"x.mp4"}
+    resumed = pictures(av, "x.mp4")
+    assert gemrender(*FILM)[0] == 0
+    assert len(turns()) == 3
+    np.testing.assert_array_equal(resumed[1], pictures(av, "x.mp4")[1])
+
+
+def damaged(folder, what):
+    """Damage the frames of a film; return which ones are lost."""
+    frame, journal = folder / "00001.png", folder / "journal.jsonl"
+    lines = journal.read_text().splitlines()
+    if what == "an empty frame":
+        frame.write_bytes(b"")
+    elif what == "half a frame":
+        frame.write_bytes(frame.read_bytes()[:-20])
+    elif what == "a frame of another turn":
+        frame.write_bytes((folder / "00000.png").read_bytes())
+    elif what == "no frame":
+        frame.unlink()
+    elif what == "a lost line":
+        journal.write_text("\n".join([lines[0], *lines[2:]]) + "\n")
+        return [0]
+    elif what == "lines that are none":
+        journal.write_text("\n".join([lines[0], "[0, NaN, 1]", '[1, -1.0, "a"]', "[true]", "[7, 1.0, 2]"]))
+        return [0, 1]
+    elif what == "another exposure":
+        k, exposure, digest = json.loads(lines[2])
+        journal.write_text("\n".join([*lines[:2], json.dumps([k, 2 * exposure, digest])]))
+    else:
+        (folder / ".gemrender-killed").mkdir()
+        (folder / ".gemrender-killed/00001.png").write_bytes(b"half")
+        return []
+    return [1]
+
+
+@pytest.mark.parametrize(
+    "what",
+    ["an empty frame", "half a frame", "a frame of another turn", "no frame", "a lost line",
+     "lines that are none", "another exposure", "what a killed process left"],
+)  # fmt: skip
+def test_frames_that_are_not_as_they_were_are_rendered_again(what, gemrender, folder, av, turns):
+    turns.at = 240
+    assert gemrender(*FILM)[0] == 130
+    turns()
+    lost = damaged(Path("x.mp4.frames"), what)
+    turns.at = None
+    assert gemrender(*FILM)[0] == 0
+    assert turns() == [120 * k for k in (*lost, 2)]
+    assert names(".") == {"x.mp4"}
+    assert len(pictures(av, "x.mp4")[1]) == 3
+
+
+@pytest.mark.parametrize("text", [None, "", '{"film": "12'])
+def test_a_folder_of_frames_without_a_head_is_begun_anew(text, gemrender, folder, av, turns):
+    Path("x.mp4.frames").mkdir()
+    if text is not None:
+        Path("x.mp4.frames/journal.jsonl").write_text(text)
+    assert gemrender(*FILM)[0] == 0
+    assert names(".") == {"x.mp4"}
+
+
+def test_a_film_is_made_by_one_process_at_a_time(gemrender, folder, av, turns, monkeypatch):
+    inner = []
+    real = frames.render
+
+    def render(*arguments, **options):
+        monkeypatch.setattr(frames, "render", real)
+        inner.append(gemrender(*FILM))
+        return real(*arguments, **options)
+
+    monkeypatch.setattr(frames, "render", render)
+    assert gemrender(*FILM)[0] == 0
+    said = "gemrender: x.mp4.frames/journal.jsonl: is in use: another gemrender is at the same work\n"
+    assert inner == [(2, "", said)]
+
+
+def test_what_else_is_in_the_folder_is_kept(gemrender, folder, av, turns):
+    turns.at = 120
+    gemrender(*FILM)
+    Path("x.mp4.frames/notes.txt").write_text("mine")
+    turns.at = None
+    assert gemrender(*FILM)[0] == 0
+    assert names("x.mp4.frames") == {"notes.txt"}
+
+
+def test_a_frame_that_is_not_done_is_none(gemrender, folder, av, monkeypatch):
+    interrupt_after(monkeypatch, 3)  # in the second pass of the second frame
+    assert gemrender(*FILM)[0] == 130
+    assert names("x.mp4.frames") == {"journal.jsonl", "00000.png"}
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        ["--seed", "1"],
+        ["--frames", "4"],
+        ["--material", "ruby"],
+        ["--carat", "3"],
+        ["--exposure", "1"],
+        ["--setup", "white"],
+    ],
+    ids=" ".join,
+)
+def test_frames_of_another_film_are_refused_and_kept(other, gemrender, folder, av, turns):
+    turns.at = 120
+    gemrender(*FILM)
+    before = {path: path.read_bytes() for path in Path("x.mp4.frames").iterdir()}
+    turns.at = None
+    status, out, err = gemrender(*FILM, *other)
+    assert (status, out) == (2, "")
+    assert err == (
+        "gemrender: x.mp4.frames: holds frames of another film; remove it, or give the film another name\n"
+    )
+    assert {path: path.read_bytes() for path in Path("x.mp4.frames").iterdir()} == before
+    assert names(".") == {"x.mp4.frames"}
+
+
+def test_a_folder_that_is_no_films_is_refused(gemrender, folder, av, turns):
+    Path("x.mp4.frames").mkdir()
+    Path("x.mp4.frames/holiday.txt").write_text("dear diary")
+    assert gemrender(*FILM)[0] == 2
+    for text in ("dear diary", "[]", '"x"', json.dumps({"film": "x"})):
+        Path("x.mp4.frames/journal.jsonl").write_text(text)
+        status, _, err = gemrender(*FILM)
+        assert (status, err.count("\n")) == (2, 1), text
+        assert err.startswith("gemrender: x.mp4.frames")
+    assert turns() == []
+    assert names("x.mp4.frames") == {"holiday.txt", "journal.jsonl"}
+
+
+def test_without_the_library_a_film_is_one_line_with_the_cure(gemrender, folder, monkeypatch):
+    monkeypatch.setitem(sys.modules, "av", None)
+    status, out, err = gemrender(*FILM)
+    assert (status, out, err.count("\n")) == (1, "", 1)
+    assert err.endswith("to cure it: pip install av\n")
+    assert names(".") == set()
+
+
+def test_a_full_disk_leaves_no_half_frame(gemrender, folder, av, monkeypatch):
+    def full(self, path, *_, **__):
+        Path(str(path)).write_bytes(b"half")
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patched:
+        patched.setattr("PIL.Image.Image.save", full)
+        status, out, err = gemrender(*FILM)
+    assert (status, out) == (2, "")
+    assert err == "gemrender: x.mp4.frames/00000.png: cannot be written: No space left on device\n"
+    assert names("x.mp4.frames") == {"journal.jsonl"}
+    assert gemrender(*FILM)[0] == 0  # once there is room

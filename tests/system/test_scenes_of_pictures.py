@@ -1,0 +1,99 @@
+"""`gemrender scene --setup`: scenes of pictures, for Mitsuba's own program and for gemrender's plugins."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from render_help import (
+    HEMISPHERE,
+    MITSUBA,
+    luminance,
+    names,
+    read_exr,
+)
+
+from gemrender.scene.setup import bundled_setups
+
+
+@pytest.mark.skipif(not MITSUBA.exists(), reason="needs Mitsuba's program")
+@pytest.mark.parametrize("setup", bundled_setups())
+def test_a_stock_scene_is_rendered_by_mitsubas_own_program(setup, gemrender, folder):
+    options = ["--setup", setup, "--stock", "--size", "24x16", "--spp", "4"]
+    status, out, err = gemrender("scene", "inoue-3", "inoue-1", "--out", "s", *options)
+    path = Path(f"s/inoue-3-inoue-1-{setup}.xml")
+    assert (status, out, err) == (0, "", f"written: {path}\n")
+    text = path.read_text(encoding="utf-8")
+    assert "gem_" not in text
+    assert f"mitsuba {path.name}" in text.partition("-->")[0]
+    done = subprocess.run(
+        [str(MITSUBA), "-m", "scalar_rgb", path.name, "-o", "x.exr"],
+        cwd="s", capture_output=True, text=True, timeout=60,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    image = luminance("s/x.exr")
+    assert image.shape == (16, 24)
+    assert image.max() > 0.01
+
+
+@pytest.mark.skipif(not MITSUBA.exists(), reason="needs Mitsuba's program")
+@pytest.mark.parametrize(("setup", "within"), [("hemisphere", 0.02), ("white", 0.03)])
+def test_a_stock_scene_shows_what_the_picture_without_dispersion_shows(setup, within, gemrender, folder):
+    options = ["--setup", setup, "--size", "16", "--spp", "128"]
+    assert gemrender("render", "inoue-3", "-o", "a.exr", *options, "--no-dispersion")[0] == 0
+    assert gemrender("scene", "inoue-3", "--out", ".", "--stock", *options)[0] == 0
+    command = [str(MITSUBA), "-m", "scalar_rgb", f"inoue-3-{setup}.xml", "-o", "x.exr"]
+    subprocess.run(command, capture_output=True, check=True, timeout=60)
+    assert luminance("x.exr").mean() == pytest.approx(luminance("a.exr").mean(), rel=within)
+
+
+@pytest.mark.parametrize("setup", ["hemisphere", "window", "white"])
+def test_a_scene_is_read_back_and_rendered(setup, gemrender, folder, variant_llvm_ad_spectral):
+    import mitsuba as mi
+
+    options = ["--setup", setup, "--size", "16", "--spp", "4", "--material", "ruby", "--carat", "2"]
+    status, out, err = gemrender("scene", "inoue-3", "--out", "s", *options)
+    assert (status, out, err) == (0, "", f"written: s/inoue-3-{setup}.xml\n")
+    sweep = setup == "white"
+    meshes = {f"inoue-3-{setup}_stone_1.ply", f"inoue-3-{setup}_ground.ply"}
+    assert names("s") == {f"inoue-3-{setup}.xml", *(meshes if sweep else {f"inoue-3-{setup}.ply"})}
+    scene = mi.load_file(f"s/inoue-3-{setup}.xml")
+    assert type(scene.integrator()).__name__ == "PathIntegrator"
+    surfaces = [str(shape.bsdf()) for shape in scene.shapes()]
+    assert sum("material = ruby" in surface for surface in surfaces) == 1
+    image = np.asarray(mi.render(scene))[..., :3]
+    assert image.shape == (16, 16, 3)
+    assert np.isfinite(image).all()
+    assert image.max() > 0.01
+
+
+def test_a_scene_read_back_is_the_picture(gemrender, folder, variant_llvm_ad_spectral):
+    import mitsuba as mi
+
+    options = [*HEMISPHERE, "--size", "16", "--material", "blue sapphire", "--diameter", "9"]
+    assert gemrender("render", "inoue-1", "inoue-3", "-o", "a.exr", *options, "--spp", "64")[0] == 0
+    assert gemrender("scene", "inoue-1", "inoue-3", "--out", "s", *options)[0] == 0
+    image = np.asarray(mi.render(mi.load_file("s/inoue-1-inoue-3-hemisphere.xml"), spp=256))[..., :3]
+    rendered, _ = read_exr("a.exr")
+    for k, channel in enumerate("RGB"):
+        assert image[..., k].mean() == pytest.approx(rendered[channel].mean(), rel=0.03), channel
+
+
+def test_a_material_file_is_found_from_any_folder(gemrender, folder, monkeypatch, variant_llvm_ad_spectral):
+    import mitsuba as mi
+
+    Path("glass.toml").write_text('name = "Glass"\n[index]\nwavelength_nm = [380, 760]\nn = [1.6, 1.5]\n')
+    assert gemrender("scene", "inoue-3", "--out", "s", *HEMISPHERE, "--material", "glass.toml")[0] == 0
+    monkeypatch.chdir("/")
+    scene = mi.load_file(str(folder / "s/inoue-3-hemisphere.xml"), resx=4, resy=4, spp=1)
+    assert any("material = Glass" in str(shape.bsdf()) for shape in scene.shapes())
+
+
+def test_a_scene_is_named_after_its_stones_and_its_setup(gemrender, folder):
+    Path("Mein Licht.toml").write_text("[sky]\nradiance = 1\n")
+    stones = ["inoue-1", "inoue-3", "inoue-1", "tolkowsky"]
+    assert gemrender("scene", *stones, "--out", "s", "--setup", "Mein Licht.toml", "--size", "4")[0] == 0
+    stem = "inoue-1-inoue-3-inoue-1-2-mein-licht"
+    assert names("s") == {f"{stem}.xml", *(f"{stem}_stone_{k}.ply" for k in range(1, 5))}
