@@ -126,7 +126,11 @@ def crosscheck(first: Observation, second: Observation) -> CrossCheck:
     """
     import numpy as np
 
-    same_stone = np.array_equal(first.stone.vertices, second.stone.vertices)
+    # Planes, too: stones with tilted facets have the vertices of the straight one.
+    same_stone = all(
+        np.array_equal(getattr(first.stone, name), getattr(second.stone, name))
+        for name in ("vertices", "facet_normals", "facet_offsets")
+    )
     if not same_stone or first.view != second.view or first.model != second.model:
         raise ValueError("the observations are of different stones, views or models")
     met = (first.coverage > 0) | (second.coverage > 0)

@@ -58,7 +58,7 @@ class RayStatus(IntEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Model:
-    """The optical model that a tracer follows (`model.md`, sections 3 to 5).
+    """The optical model that a tracer follows (`docs/model.md`, sections 3 to 5).
 
     Parameters
     ----------

@@ -26,7 +26,7 @@ __all__ = [
     "score_pixels",
 ]
 
-#: Lower edges of the bands of intensity [%], brightest first (`model.md`, section 1).
+#: Lower edges of the bands of intensity [%], brightest first (`docs/model.md`, section 1).
 BAND_EDGES = (75.0, 60.0, 45.0, 30.0, 15.0, 0.0)
 
 #: The keys of the JSON that scripts rely on, in their order; further keys come after them.

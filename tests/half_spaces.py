@@ -1,4 +1,4 @@
-"""An independent tracer for symmetric stones: 57 half-spaces and a cylinder (`model.md`, sections 2 and 4).
+"""An independent tracer for symmetric stones: 57 half-spaces and a cylinder (`docs/model.md`, 2 and 4).
 
 It shares nothing with the package but the numbers of the facets: its planes come from the proportions, not
 from vertices; a ray is clipped against all of them at once, and no triangle, edge or tolerance occurs.
@@ -81,7 +81,7 @@ def half_spaces(p: RoundBrilliant) -> HalfSpaces:
     """The half-spaces of the symmetric stone of these proportions, in the order of its facets.
 
     Every plane but the table is z = height - slope * (distance along its azimuth), with the height and the
-    slope fixed by two points of `model.md`, section 2.
+    slope fixed by two points of `docs/model.md`, section 2.
     """
     r_t, crown, girdle, depth = (
         x / 100 for x in (p.table, 2 * p.crown_height, 2 * p.girdle_thickness, 2 * p.pavilion_depth)

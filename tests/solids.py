@@ -45,7 +45,7 @@ def mesh_volume(mesh: StoneMesh) -> float:
 
 
 def heights(p: RoundBrilliant, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Top and bottom of the 57 half-spaces over points, from the proportions alone (model.md, section 2).
+    """Top and bottom of the 57 half-spaces over points, from the proportions (docs/model.md, section 2).
 
     By symmetry the points are brought into the sector between azimuth 0, where a bezel main and a pavilion
     main lie, and pi/8, where a star tip lies. There the other facets of each kind are further out.

@@ -40,7 +40,7 @@ def is_total(cos_stone: Any, index: float) -> bool:
 def crossing_factor(
     cos_air: Any, cos_stone: Any, index: float, law: int, radiance: bool, towards_eye: bool
 ) -> Any:
-    """Return T S of one crossing, or T alone for radiance (`model.md`, section 4)."""
+    """Return T S of one crossing, or T alone for radiance (`docs/model.md`, section 4)."""
     t = transmittance(cos_air, index, law)
     if radiance:
         return t

@@ -27,7 +27,7 @@ FRESNEL_LAWS = ("gubelin", "exact")
 GUBELIN_INDEX = 2.4173
 
 #: Gübelin's table (the paper's table 1): angle of incidence in air [deg] and reflected share. Below 1 deg
-#: the first value, above 80 deg linear to 1 at 90 deg (`model.md`, section 5).
+#: the first value, above 80 deg linear to 1 at 90 deg (`docs/model.md`, section 5).
 GUBELIN_ANGLES_DEG = np.array([0.0, 1.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 67.31, 70.0, 80.0, 90.0])
 GUBELIN_REFLECTED = (
     np.array([16.99, 16.99, 17.23, 17.36, 17.36, 17.77, 18.73, 21.12, 24.85, 27.21, 43.33, 100.0]) / 100

@@ -99,7 +99,7 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
 
     Follows each sensor ray into the stone by refraction, on by total reflection, and out where it first
     meets a surface below the critical angle: the ray is followed backwards, so this is where its light
-    came in. Weaker branches are ignored (Inoue; ``model.md``, section 4). The colour channels hold the
+    came in. Weaker branches are ignored (Inoue; ``docs/model.md``, section 4). The colour channels hold the
     radiance that the scene's emitters send along this one path, and black outside the stone. The AOVs are
 
     - ``primary.intensity`` [%], ``rear.mask``, ``coverage`` (1 where the stone is),

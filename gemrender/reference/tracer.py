@@ -1,7 +1,7 @@
 """The paper's tracer in float64, step by step: the truth that the Mitsuba engine is held against.
 
-Sections and equations are those of Inoue's paper, restated in `model.md`. One correction: equations (2)
-and (4) are misprinted; Snell's law is used as `model.md`, section 4, states it.
+Sections and equations are those of Inoue's paper, restated in `docs/model.md`. One correction: equations (2)
+and (4) are misprinted; Snell's law is used as `docs/model.md`, section 4, states it.
 """
 
 from __future__ import annotations

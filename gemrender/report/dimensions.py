@@ -74,7 +74,7 @@ def dimensions(stone: Stone) -> dict[str, Dimension]:
     """Return a stone's dimensions: its proportions as entered, or what its vertices measure.
 
     Angles are those of the mains to the girdle plane; heights and the table are per cent of the (mean) girdle
-    diameter, the contact of the radius (`model.md`, section 2).
+    diameter, the contact of the radius (`docs/model.md`, section 2).
     """
     p = stone.proportions
     values: dict[str, Any]

@@ -1,7 +1,7 @@
 """The stone as a watertight triangle mesh, with scalloped girdle edges.
 
 Between two girdle vertices each upper and lower girdle facet goes on beyond its chord, as the same plane,
-until it meets the girdle's wall (`model.md`, section 2). The arcs are cut into short straight pieces, so
+until it meets the girdle's wall (`docs/model.md`, section 2). The arcs are cut into short straight pieces, so
 that the mesh has the same topology for every stone. Where a girdle is thinner than its scallops, the two
 planes meet before they reach the wall; there the girdle has no height.
 """

@@ -61,7 +61,7 @@ class RoundBrilliant:
     """The paper's proportions of a symmetric round brilliant [%].
 
     Heights and the table are per cent of the girdle diameter, the star length and the lower-girdle
-    contact as below (`model.md`, section 2). Checked when made.
+    contact as below (`docs/model.md`, section 2). Checked when made.
 
     Parameters
     ----------
@@ -155,7 +155,7 @@ class RoundBrilliant:
         return math.degrees(math.atan2(2 * self.pavilion_depth, 100.0))
 
     def vertices(self) -> np.ndarray:
-        """Return the 57 vertices in the paper's frame (`model.md`, section 2).
+        """Return the 57 vertices in the paper's frame (`docs/model.md`, section 2).
 
         Returns
         -------

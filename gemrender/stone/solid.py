@@ -175,12 +175,15 @@ class Stone:
         """Return the stone turned about its axis, anticlockwise seen from the table [deg]."""
         cos, sin = np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))
         turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+        tilted = self.tilted_planes
         return Stone(
             vertices=self.vertices @ turn.T,
             name=self.name,
             material=self.material,
             source=self.source,
             assumed=self.assumed,
+            # A turn about the axis leaves the planes' distances from the origin.
+            tilted_planes=None if tilted is None else (tilted[0] @ turn.T, tilted[1]),
         )
 
     def tilted(self, deviation_deg: float, rng: np.random.Generator, *, name: str | None = None) -> Stone:

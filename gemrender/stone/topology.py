@@ -2,7 +2,7 @@
 
 Indices only, the same for every stone. With azimuth step pi/8 and k = 0..7, table corners, bezel mains
 and pavilion mains lie at azimuth 2k, star tips and lower-girdle contacts at 2k + 1 (the paper's figures
-5 and 6; `model.md`, section 2). Every polygon runs anticlockwise seen from outside the stone.
+5 and 6; `docs/model.md`, section 2). Every polygon runs anticlockwise seen from outside the stone.
 """
 
 from __future__ import annotations

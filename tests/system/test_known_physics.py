@@ -311,7 +311,7 @@ def test_turning_the_stone_changes_its_scores_by_sampling_only(variant_llvm_ad_m
 
 
 @pytest.mark.parametrize(
-    ("name", "by_position", "by_direction"),  # model.md, sections 4 and 6
+    ("name", "by_position", "by_direction"),  # docs/model.md, sections 4 and 6
     [("inoue-1", 19.2, 8.0), ("inoue-2", 14.5, 8.4), ("inoue-3", 5.1, 5.1)],
 )
 def test_rear_by_position_and_by_direction(variant_llvm_ad_mono, name, by_position, by_direction):

@@ -168,7 +168,7 @@ def test_rear_of_sample_3_is_the_papers(variant_llvm_ad_mono):
 
 
 @pytest.mark.parametrize(
-    ("name", "average", "rear"),  # model.md, section 6: an independent float64 computation
+    ("name", "average", "rear"),  # docs/model.md, section 6: an independent float64 computation
     [("inoue-1", 45.2, 19.2), ("inoue-2", 49.2, 14.5), ("inoue-3", 60.4, 5.1)],
 )
 def test_scores_are_those_of_an_independent_computation(variant_llvm_ad_mono, name, average, rear):

@@ -95,7 +95,7 @@ def test_transmittance_out_of_diamond(in_stone_deg, printed):
 
 # ---- Gübelin's table -----------------------------------------------------------------------------------
 
-#: model.md, section 5: angle of incidence in air [deg], reflected [%], refracted [%].
+#: docs/model.md, section 5: angle of incidence in air [deg], reflected [%], refracted [%].
 TABLE = [
     (1, 16.99, 83.01), (10, 17.23, 82.77), (20, 17.36, 82.64), (30, 17.36, 82.64), (40, 17.77, 82.23),
     (50, 18.73, 81.27), (60, 21.12, 78.88), (67.31, 24.85, 75.15), (70, 27.21, 72.79), (80, 43.33, 56.67),

@@ -1,4 +1,4 @@
-"""The symmetric stone against the closed forms of the paper (model.md, section 2)."""
+"""The symmetric stone against the closed forms of the paper (docs/model.md, section 2)."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from gemrender.stone.topology import (
     VERTEX_LABELS,
 )
 
-# The paper's samples (model.md, section 6): TB, SU, LG, CH, PD, GH.
+# The paper's samples (docs/model.md, section 6): TB, SU, LG, CH, PD, GH.
 SAMPLES = {
     "inoue-1": (62.48, 56.0, 10.40, 12.89, 46.86, 4.55),
     "inoue-2": (62.72, 56.0, 19.67, 14.09, 44.89, 5.56),

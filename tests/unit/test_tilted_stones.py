@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import gemrender
 from gemrender.crosscheck import crosscheck
 from gemrender.engines import observe, observe_alike
 from gemrender.errors import InputError
@@ -20,6 +21,8 @@ SEEDS = range(6)
 VOLUME_CHANGE = 5e-3
 #: A stone tilted by nothing has the same planes; what differs is the mesh, by the sagitta of its arcs.
 SAME_SCORE = 0.02
+#: Bound of exact scores of stones that are turned [%].
+TURNED_BOUND = 0.02
 
 
 def tilted(name: str, seed: int, deviation_deg: float = 0.5) -> Stone:
@@ -109,3 +112,22 @@ def test_measured_outline_is_refused():
     moved = load_stone("inoue-3").vertices + np.random.default_rng(1).normal(0, 1e-3, (57, 3))
     with pytest.raises(InputError, match="round outline only"):
         Stone.from_vertices(moved).tilted(0.5, np.random.default_rng(1))
+
+
+def test_a_turned_stone_keeps_its_tilt():
+    stone = tilted("inoue-3", 1, 1.0)
+    still = stone.rotated(0.0)
+    assert np.array_equal(still.facet_normals, stone.facet_normals)
+    assert np.array_equal(still.facet_offsets, stone.facet_offsets)
+    # Turned by any angle it is the same solid, seen from straight above the same score.
+    scores = [gemrender.score(s, bound=TURNED_BOUND) for s in (stone, stone.rotated(17.3))]
+    for key in ("average", "rear"):
+        first, second = (getattr(s, key) for s in scores)
+        assert first == pytest.approx(second, abs=sum(s.bound for s in scores))
+    assert scores[0].average != pytest.approx(gemrender.score(load_stone("inoue-3")).average, abs=0.1)
+
+
+def test_differently_tilted_stones_are_not_the_same():
+    first, second = (observe(tilted("inoue-3", seed), engine="reference", resolution=8) for seed in (1, 2))
+    with pytest.raises(ValueError, match="different stones"):
+        crosscheck(first, second)

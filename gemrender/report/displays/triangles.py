@@ -30,7 +30,7 @@ __all__ = ["GIRDLE_NUMBER", "triangles_figure", "visible_triangles"]
 
 SCALE = 2.45  # inch per girdle radius
 FONT_SIZE = 10.0
-#: The girdle is surface number 79 (`model.md`, section 2); triangles count from 1.
+#: The girdle is surface number 79 (`docs/model.md`, section 2); triangles count from 1.
 GIRDLE_NUMBER = N_TRIANGLES + 1
 
 #: Where the numbers of pavilion mains too narrow for them stand: their distance from the axis, over that of
