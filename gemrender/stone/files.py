@@ -29,7 +29,7 @@ from gemrender.reading import (
     text_line,
     told_at,
 )
-from gemrender.stone.laboratory import REPORT_KEYS, missing_parts, read_report
+from gemrender.stone.laboratory import DEFAULTS, REPORT_KEYS, missing_parts, read_report
 from gemrender.stone.proportions import RoundBrilliant, checked_values
 from gemrender.stone.solid import Stone
 from gemrender.stone.stones import LONGEST_NAME, OneStone, Stones
@@ -48,6 +48,8 @@ _SECTIONS: dict[str, tuple[str, ...]] = {
     "report": REPORT_KEYS,
     "material": ("name", "index"),
 }  # fmt: skip
+#: What only reports state: [angles] with one of them is read as [report] is, as where it lacks the star.
+_OF_REPORTS = ("depth", "girdle", "culet", "shape")
 _SHAPES = ("proportions", "angles", "report", "vertices")
 _TOP = ("name", *_SHAPES, "material")
 
@@ -205,30 +207,40 @@ def _proportions(
 ) -> tuple[RoundBrilliant | None, tuple[str, ...]]:
     """Return the proportions that a section gives, and what was assumed; none where it has mistakes."""
     before = len(mistakes.errors)
-    values = section(top, shape, _SECTIONS[shape], _home, mistakes)
+    is_report = shape == "report" or (shape == "angles" and _is_report(top[shape]))
+    keys = REPORT_KEYS if is_report else _SECTIONS[shape]
+    values = section(top, shape, keys, _home, mistakes)
     misspelt = len(mistakes.errors) > before
 
     def made() -> tuple[RoundBrilliant | None, tuple[str, ...]]:
         with told_at(None, shape):
-            if shape == "report":
+            if is_report:
                 if missing_parts(values):
                     return None, ()
                 report = read_report(values)
                 return report.proportions, tuple(map(str, report.assumed))
-            if len(values) == len(_SECTIONS[shape]):
-                return (RoundBrilliant if shape == "proportions" else RoundBrilliant.from_angles)(
-                    **values
-                ), ()
+            if len(values) == len(keys):
+                make = RoundBrilliant if shape == "proportions" else RoundBrilliant.from_angles
+                return make(**values), ()
             checked_values(values)
             return None, ()
 
     found = mistakes.of(made)
     if not misspelt:
-        if shape != "report":
-            refuse_missing(values, _SECTIONS[shape], shape)
+        if not is_report:
+            refuse_missing(values, keys, shape)
         elif missing := missing_parts(values):
-            raise InputError(f"needs {missing}", key="[report]")
+            raise InputError(f"needs {missing}", key=f"[{shape}]")
     return found or (None, ())
+
+
+def _is_report(angles: object) -> bool:
+    """Return whether [angles] states, or leaves out, what a report does, and so is read as one."""
+    return isinstance(angles, dict) and (
+        any(key in angles for key in _OF_REPORTS)
+        or isinstance(angles.get("girdle_thickness"), str)
+        or not all(key in angles for key in DEFAULTS)
+    )
 
 
 def _home(key: str) -> str:

@@ -338,3 +338,32 @@ def test_stone_file_with_a_bad_report(tmp_path):
         f"{path}: [report]: needs the pavilion (pavilion_angle or pavilion_depth), the girdle (girdle or "
         "girdle_thickness)"
     )
+
+
+@pytest.mark.parametrize(
+    ("more", "assumed"),
+    [
+        ('girdle_thickness = "Thin - Medium"\nstar = 50\nlower_half = 80', ("girdle",)),
+        ("girdle_thickness = 3\nlower_half = 80", ("star 50",)),
+        ("girdle_thickness = 3", ("star 50", "lower half 80")),
+        ('depth = 61.5\nculet = "none"', ("girdle", "star 50", "lower half 80")),
+    ],
+)
+def test_angles_may_go_on_as_a_report_does(more, assumed, tmp_path):
+    for section in ("angles", "report"):
+        text = f"[{section}]\ntable = 57\ncrown_angle = 34.5\npavilion_angle = 40.8\n{more}\n"
+        (tmp_path / f"{section}.toml").write_text(text)
+    stone, report = (load_stone(tmp_path / f"{name}.toml") for name in ("angles", "report"))
+    assert stone.proportions == report.proportions
+    assert [words.startswith(start) for words, start in zip(stone.assumed, assumed, strict=True)] == [
+        True
+    ] * len(assumed)
+
+
+def test_whole_angles_assume_nothing(tmp_path):
+    path = tmp_path / "a.toml"
+    path.write_text(
+        "[angles]\ntable = 57\ncrown_angle = 34.5\npavilion_angle = 40.8\nstar = 50\nlower_half = 80\n"
+        "girdle_thickness = 3\n"
+    )
+    assert load_stone(path).assumed == ()
