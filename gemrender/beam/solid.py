@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -57,6 +58,7 @@ class BeamStone:
         return _WEDGE if self.symmetric and view.tilt_deg == 0 else NO_WEDGE
 
 
+@lru_cache(maxsize=4)  # a score asks for it when the engine is chosen, checked and used
 def beam_stone(stone: Stone) -> BeamStone:
     """Return the stone as planes and walls.
 
