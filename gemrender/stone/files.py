@@ -30,7 +30,7 @@ from gemrender.reading import (
     told_at,
 )
 from gemrender.stone.laboratory import DEFAULTS, REPORT_KEYS, missing_parts, read_report
-from gemrender.stone.proportions import RoundBrilliant, checked_values
+from gemrender.stone.proportions import ANGLE_RANGES, RANGES, RoundBrilliant, checked_values
 from gemrender.stone.solid import Stone
 from gemrender.stone.stones import LONGEST_NAME, OneStone, Stones
 from gemrender.stone.table import is_table, open_table
@@ -215,6 +215,7 @@ def _proportions(
     def made() -> tuple[RoundBrilliant | None, tuple[str, ...]]:
         with told_at(None, shape):
             if is_report:
+                checked_values({key: value for key, value in values.items() if _has_range(key, value)})
                 if missing_parts(values):
                     return None, ()
                 report = read_report(values)
@@ -234,12 +235,18 @@ def _proportions(
     return found or (None, ())
 
 
+def _has_range(key: str, value: object) -> bool:
+    """Return whether a value of a report is a number with a range of its own; a girdle may be words."""
+    return key in RANGES | ANGLE_RANGES and not (key == "girdle_thickness" and isinstance(value, str))
+
+
 def _is_report(angles: object) -> bool:
     """Return whether [angles] states, or leaves out, what a report does, and so is read as one."""
     return isinstance(angles, dict) and (
         any(key in angles for key in _OF_REPORTS)
         or isinstance(angles.get("girdle_thickness"), str)
-        or not all(key in angles for key in DEFAULTS)
+        # One that is misspelt is not missing.
+        or (not all(key in angles for key in DEFAULTS) and all(key in _SECTIONS["angles"] for key in angles))
     )
 
 
