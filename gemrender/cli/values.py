@@ -38,9 +38,7 @@ class OptionError(Exception):
         self.error = error
 
 
-def choice_option(
-    name: str, choices: Iterable[str], words: str, *, metavar: str, short: str | None = None, **settings: Any
-) -> Any:
+def choice_option(name: str, choices: Iterable[str], words: str, *, metavar: str, **settings: Any) -> Any:
     """Return an option whose value is one of some words.
 
     Parameters
@@ -51,8 +49,6 @@ def choice_option(
         What is allowed; shown in the help, and completed by the shell.
     words, metavar : str
         Its line in the help, without the choices, and what stands for the value there.
-    short : str, optional
-        A short form, such as "-f".
     **settings
         Further settings of `typer.Option`.
     """
@@ -65,7 +61,6 @@ def choice_option(
 
     return typer.Option(
         name,
-        *([short] if short else []),
         parser=parse,
         metavar=metavar,
         help=f"{words} One of: {', '.join(allowed)}.",
@@ -74,18 +69,8 @@ def choice_option(
     )
 
 
-def number_option(
-    name: str,
-    unit: str,
-    words: str,
-    *,
-    metavar: str,
-    low: float = -math.inf,
-    high: float = math.inf,
-    above: bool = False,
-    **settings: Any,
-) -> Any:
-    """Return an option whose value is a finite number, of some unit and within a range.
+def number_option(name: str, unit: str, words: str, *, metavar: str, **settings: Any) -> Any:
+    """Return an option whose value is a finite number of some unit; what it is for knows its range.
 
     Parameters
     ----------
@@ -93,10 +78,8 @@ def number_option(
         The option, and what its number counts, in the plural.
     words, metavar : str
         Its line in the help, and what stands for the value there.
-    low, high : float, optional
-        Least and largest value.
-    above : bool
-        Whether the least value itself is refused.
+    **settings
+        Further settings of `typer.Option`.
     """
 
     def parse(text: str | float) -> float:
@@ -106,13 +89,9 @@ def number_option(
             value = math.nan
         if not math.isfinite(value):
             raise OptionError(InputError(f"must be a finite number of {unit}", key=name, value=text))
-        if not low <= value <= high or (above and value == low):
-            raise OptionError(InputError(f"must be {_range(low, high, above)}", key=name, value=value))
         return value
 
-    return typer.Option(
-        name, parser=parse, metavar=metavar, help=_ranged(words, low, high, above), **settings
-    )
+    return typer.Option(name, parser=parse, metavar=metavar, help=words, **settings)
 
 
 def whole_option(
@@ -129,25 +108,16 @@ def whole_option(
             raise OptionError(InputError(allowed, key=name, value=text)) from error
         if not low <= value <= high:
             negative = low == 0 and math.isinf(high)
-            allowed = "must not be negative" if negative else f"must be {_range(low, high, False)}"
+            allowed = "must not be negative" if negative else f"must be {_range(low, high)}"
             raise OptionError(InputError(allowed, key=name, value=value))
         return value
 
-    return typer.Option(
-        name, parser=parse, metavar=metavar, help=_ranged(words, low, high, False), **settings
-    )
+    shown = words if math.isinf(low) else f"{words.removesuffix('.')}; {_range(low, high)}."
+    return typer.Option(name, parser=parse, metavar=metavar, help=shown, **settings)
 
 
-def _range(low: float, high: float, above: bool) -> str:
-    if math.isinf(high):
-        return f"above {low:.15g}" if above else f"{low:.15g} or more"
-    return f"above {low:.15g}, at most {high:.15g}" if above else f"from {low:.15g} to {high:.15g}"
-
-
-def _ranged(words: str, low: float, high: float, above: bool) -> str:
-    if math.isinf(low):
-        return words
-    return f"{words.removesuffix('.')}; {_range(low, high, above)}."
+def _range(low: float, high: float) -> str:
+    return f"{low:.15g} or more" if math.isinf(high) else f"from {low:.15g} to {high:.15g}"
 
 
 def complete_words(words: Callable[[], Iterable[str]]) -> Completion:
