@@ -10,9 +10,8 @@ import typer
 from gemrender.cli.gems import complete_materials, complete_setups
 from gemrender.cli.groups import command
 from gemrender.cli.options import OUTPUT, TableOptions, bundled_names
-from gemrender.cli.output import print_records, stdout
+from gemrender.cli.output import print_records, stdout, told_as
 from gemrender.cli.values import complete_words
-from gemrender.errors import InputError
 
 __all__ = ["doctor", "materials", "setups", "stones"]
 
@@ -78,26 +77,17 @@ def materials(
     if show is not None:
         _print_template(material_template, show)
         return
-    try:
+    with told_as("MATERIAL"):
         print_records(
             table.chosen,
             tables=lambda: [sheet_table(names) if names else material_table()],
             records=lambda: material_records(names or ()),
         )
-    except InputError as error:
-        if error.source is not None:
-            raise
-        raise InputError(error.allowed, key="MATERIAL", value=error.value) from error
 
 
 def _print_template(template: Callable[[str], str], name: str) -> None:
-    try:
-        text = template(name)
-    except InputError as error:
-        if error.source is not None:
-            raise
-        raise InputError(error.allowed, key="--show", value=name) from error
-    typer.echo(text, nl=False)
+    with told_as("--show"):
+        typer.echo(template(name), nl=False)
 
 
 @command

@@ -35,7 +35,7 @@ def compare(
     from gemrender.engines import observe
     from gemrender.report.comparison import panel, write_comparison
     from gemrender.report.files import prepare_folder
-    from gemrender.report.tables import score_record, score_table
+    from gemrender.report.tables import score_record, score_table, score_values
     from gemrender.score import score, score_observation
 
     form = table.chosen
@@ -59,12 +59,11 @@ def compare(
     print_records(
         form,
         tables=lambda: [score_table(scores, loaded.settings, loaded.notes)],
-        values=lambda: [s.to_dict() for s in scores],
+        values=lambda: [score_values(s, loaded.setting(i)) for i, s in enumerate(scores)],
         records=lambda: [score_record(s, loaded.setting(i)) for i, s in enumerate(scores)],
     )
     if form in ("csv", "json"):
-        for words in loaded.notes:
-            say(words)
+        loaded.tell()
     if folder is not None:
         for path in write_comparison(panels, pair, folder):
             say(f"written: {path}")

@@ -54,11 +54,13 @@ def crosscheck(
 
     form = table.chosen
     options = trace_options(EngineOptions(variant=variant, resolution=resolution), model, view)
-    loaded = [*load(stones or [], options).stones, *_random_stones(random, seed)]
+    named = load(stones or [], options)
+    loaded = [*named.stones, *_random_stones(random, seed)]
     if not loaded:
         raise InputError("missing: name stones, or ask for some by --random", key="STONE")
     ensure_variant(variant)
     prepare_engine(options, loaded)
+    named.tell()
     for key in ("engine", "time_limit", "memory_limit"):
         del options[key]
     checks = []

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from gemrender.cli.output import say
+from gemrender.cli.stones import assumptions
 from gemrender.cli.values import OptionError, complete_files, number_option
 from gemrender.errors import InputError
 
@@ -107,9 +109,9 @@ def load_gems(names: list[str], options: GemOptions) -> list[Gem]:
     from gemrender.render.photoreal import make_gems
     from gemrender.stone import load_stone
 
-    return make_gems(
-        [load_stone(name) for name in names],
-        material=options.material,
-        carat=options.carat,
-        diameter_mm=options.diameter,
-    )
+    stones = [load_stone(name) for name in names]
+    gems = make_gems(stones, material=options.material, carat=options.carat, diameter_mm=options.diameter)
+    for name, stone in zip(names, stones, strict=True):
+        for words in assumptions(name, stone):
+            say(f"gemrender: {words}")
+    return gems

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -42,7 +42,6 @@ __all__ = [
     "TableOptions",
     "ViewOptions",
     "bundled_names",
-    "check_stones",
     "output_option",
     "prepare_engine",
     "trace_options",
@@ -185,16 +184,14 @@ Intensity = Annotated[
         rich_help_panel=MODEL,
     ),
 ]
-Tilt = Annotated[
-    float,
-    number_option(
-        "--tilt",
-        "degrees",
-        "Tilt of the eye from the stone's axis, 0 to below 90.",
-        metavar="DEGREES",
-        rich_help_panel=VIEW,
-    ),
-]
+TILT = number_option(
+    "--tilt",
+    "degrees",
+    "Tilt of the eye from the stone's axis, 0 to below 90.",
+    metavar="DEGREES",
+    rich_help_panel=VIEW,
+)
+Tilt = Annotated[float, TILT]
 TiltAzimuth = Annotated[
     float,
     number_option(
@@ -289,12 +286,6 @@ def view_and_model(stone: Stone, options: dict[str, Any]) -> tuple[View, Model]:
     model = Model.of(stone, **{key: options[key] for key in ("fresnel", "rear", "intensity")})
     view = View.of(stone, **{key: options[key] for key in ("resolution", "tilt_deg", "tilt_azimuth_deg")})
     return view, model
-
-
-def check_stones(stones: Iterable[Stone], options: dict[str, Any]) -> None:
-    """Check the options for each stone, before any work begins."""
-    for stone in stones:
-        view_and_model(stone, options)
 
 
 def prepare_engine(

@@ -30,6 +30,7 @@ __all__ = [
     "renamed",
     "say",
     "stdout",
+    "told_as",
 ]
 
 #: Progress is shown of work that takes longer [s].
@@ -174,6 +175,17 @@ def renamed(old: str, old_value: Any, new: str, new_value: Any, default: Any) ->
     if new_value is not None:
         raise InputError(f"is the old name of {new}; give one of them", key=old, value=old_value)
     return old_value, [f"gemrender: {old} is called {new} in this command now"]
+
+
+@contextmanager
+def told_as(argument: str) -> Iterator[None]:
+    """Tell input errors that come from no file as those of an argument or option."""
+    try:
+        yield
+    except InputError as error:
+        if error.source is not None:
+            raise
+        raise InputError(error.allowed, key=argument, value=error.value) from error
 
 
 def output_file(out: str, name: str) -> str:

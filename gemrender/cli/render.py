@@ -14,6 +14,8 @@ from gemrender.cli.options import ENGINE, Stones, output_option
 from gemrender.cli.output import output_file, progress_bar, say
 from gemrender.cli.values import choice_option, complete_words, number_option, whole_option
 from gemrender.errors import InputError
+from gemrender.render.formats import Background
+from gemrender.render.quality import Quality
 
 __all__ = ["render"]
 
@@ -38,7 +40,7 @@ def render(
         str | None,
         choice_option(
             "--quality",
-            ("draft", "good", "best"),
+            tuple(Quality),
             "Where to end, in a word; by default good, 256 samples. Samples or a noise stand in its place.",
             metavar="WORD",
         ),
@@ -76,7 +78,7 @@ def render(
         str,
         choice_option(
             "--background",
-            ("setup", "transparent"),
+            tuple(Background),
             "What is seen beside the stones.",
             metavar="WORD",
             rich_help_panel=PICTURE,
@@ -130,7 +132,7 @@ def render(
     from gemrender.render.formats import output_kind
     from gemrender.render.frames import check_film
     from gemrender.render.photoreal import require_denoiser
-    from gemrender.render.quality import Quality, ends_of
+    from gemrender.render.quality import ends_of
     from gemrender.report.files import file_stems, prepare_folder
     from gemrender.scene.setup import load_setup
     from gemrender.writing import check_place
@@ -139,7 +141,7 @@ def render(
     path = Path(output_file(out, default))
     suffix = path.suffix.lower()
     width, height = picture_size(size)
-    transparent = background == "transparent"
+    transparent = background == Background.TRANSPARENT
     kind = output_kind(path, frames=frames, transparent=transparent, size=(width, height))
     ends = ends_of(Quality(quality) if quality else None, spp=spp, noise=noise, time_limit=time)
     gems = load_gems(stones, gem)

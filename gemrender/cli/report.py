@@ -40,6 +40,7 @@ def report(
     target = output_file(out, "report.html")
     check_target(target)
     prepare_engine(options, loaded.samples)
+    loaded.tell()
     with progress_bar(len(loaded)) as step:
         # One after the other: the page keeps less of each than its maps.
         traced = (

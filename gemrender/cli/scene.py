@@ -92,6 +92,7 @@ def _scored(stones: list[str], out: str, options: dict[str, Any]) -> None:
 
     loaded = load(stones, options)
     check_folder(out)
+    loaded.tell()
     ensure_variant(options["variant"])
     folder = prepare_folder(out)
     for stone, stem in zip(loaded.stones, file_stems(loaded.names), strict=True):

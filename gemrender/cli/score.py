@@ -39,7 +39,7 @@ def score(
     out: Annotated[str | None, output_option("Where to write each stone's maps, as EXR and PNG.")] = None,
 ) -> None:
     """Score stones: Average, Rear and the bands of the top view."""
-    from gemrender.report.tables import score_record, score_table
+    from gemrender.report.tables import score_record, score_table, score_values
 
     form = table.chosen
     options = trace_options(engine, model, view)
@@ -54,12 +54,11 @@ def score(
         print_records(
             form,
             tables=lambda: [score_table(scores, loaded.settings, loaded.notes)],
-            values=lambda: [_with(s.to_dict(), loaded.setting(i)) for i, s in enumerate(scores)],
+            values=lambda: [score_values(s, loaded.setting(i)) for i, s in enumerate(scores)],
             records=list,
         )
     if form in ("csv", "json"):
-        for words in loaded.notes:
-            say(words)
+        loaded.tell()
     if len(loaded) >= _MANY:
         say(f"{len(loaded)} stones in {time.monotonic() - started:.1f} s")
     if out is not None:
@@ -85,7 +84,3 @@ def _scores(loaded: LoadedStones, options: dict[str, Any], out: str | None) -> I
             yield score_observation(observation)
             write_observation(observation, folder, stems[i])
             del observation  # before the next one is made: at 4096 x 4096 its maps take 0.8 GB
-
-
-def _with(values: dict[str, Any], settings: dict[str, Any]) -> dict[str, Any]:
-    return values | ({"settings": settings} if settings else {})

@@ -60,8 +60,9 @@ def sensitivity(
     for stone in loaded.stones:
         check_differentiable(stone)
     prepare_engine(options, loaded.samples, out)
-    for words in (*notes, *loaded.notes):
+    for words in notes:
         say(words)
+    loaded.tell()
     folder = None if out is None else prepare_folder(out)
     found = []
     with progress_bar(len(loaded)) as step:

@@ -107,6 +107,7 @@ def show(
     if "facets" in asked:
         prepare_engine(options, loaded.samples, out, engine="exact")
     folder = prepare_folder(out)
+    loaded.tell()
     jobs = [
         (stone, stem, display)
         for stone, stem in zip(loaded.stones, file_stems(loaded.names), strict=True)

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from gemrender.cli.options import Stones, view_and_model
-from gemrender.cli.output import progress_bar
+from gemrender.cli.output import progress_bar, say
 from gemrender.errors import InputError
 
 if TYPE_CHECKING:
     from gemrender.stone import Stone
     from gemrender.stone.stones import Stones as StonesOfSource
 
-__all__ = ["LoadedStones", "StoneOptions", "load"]
+__all__ = ["LoadedStones", "StoneOptions", "assumptions", "load"]
 
 
 def _complete_setting(incomplete: str) -> list[str]:
@@ -40,6 +40,11 @@ class StoneOptions:
             autocompletion=_complete_setting,
         ),
     ] = None
+
+
+def assumptions(source: str, stone: Stone) -> list[str]:
+    """Return what was assumed of a stone, as its file left it out; a line each."""
+    return [f"{source}: taken: {words}" for words in stone.assumed]
 
 
 class LoadedStones:
@@ -90,8 +95,13 @@ class LoadedStones:
         for source, part in zip(self._sources, self._parts, strict=True):
             notes += [f"{source}: {words}" for words in part.notes]
             if len(part) == 1 and not part.notes:
-                notes += [f"{source}: taken: {words}" for words in part[0].assumed]
+                notes += assumptions(source, part[0])
         return notes
+
+    def tell(self) -> None:
+        """Tell the notes on stderr, where no table does."""
+        for words in self.notes:
+            say(f"gemrender: {words}")
 
     @property
     def samples(self) -> list[Stone]:

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 from gemrender.cli.groups import command
 from gemrender.cli.options import (
-    VIEW,
+    TILT,
     EngineOptions,
     ModelOptions,
     Resolution,
@@ -63,16 +63,7 @@ def symmetry(
     ] = 0.0,
     draws: Annotated[int, whole_option("--draws", "Number of draws.")] = 200,
     seed: Annotated[int, whole_option("--seed", "Seed of the draws.")] = 1,
-    tilt: Annotated[
-        float | None,
-        number_option(
-            "--tilt",
-            "degrees",
-            "Tilt of the eye from the stone's axis, 0 to below 90.",
-            metavar="DEGREES",
-            rich_help_panel=VIEW,
-        ),
-    ] = None,
+    tilt: Annotated[float | None, TILT] = None,
     tilt_azimuth: TiltAzimuth = 0.0,
     out: Annotated[
         str | None,
@@ -104,8 +95,9 @@ def symmetry(
     }
     check_study(loaded.stones, **study)
     prepare_engine(options, loaded.samples, out)
-    for words in (*notes, *loaded.notes):
+    for words in notes:
         say(words)
+    loaded.tell()
     folder = None if out is None else prepare_folder(out)
     stems = file_stems(loaded.names)
     _leave_out_defaults(options)

@@ -12,6 +12,7 @@ import numpy as np
 
 from gemrender.errors import BackendError, GemrenderError, GemrenderWarning, InputError
 from gemrender.optics import carat_to_girdle_diameter_mm, load_material
+from gemrender.optics.material import DIAMETER_RANGE_MM
 from gemrender.render.backend import ensure_variant
 from gemrender.render.passes import Passes
 from gemrender.scene.loading import load_scene
@@ -24,8 +25,6 @@ __all__ = ["DEFAULT_VARIANT", "Foreground", "Picture", "make_gems", "render", "r
 DEFAULT_VARIANT = "llvm_ad_spectral"
 #: Girdle diameter where neither carat nor millimetres are given [mm]: about 1 carat of diamond.
 DEFAULT_DIAMETER_MM = 6.5
-#: Girdle diameters that a stone may have, given or by its weight [mm].
-DIAMETER_RANGE_MM = (0.1, 1000.0)
 #: Radius of the tent that pixels are filtered by [pixel].
 FILTER_RADIUS = 1.0
 #: In a picture of fewer pixels the middle of none may show a stone, though parts do.
@@ -128,8 +127,9 @@ def make_gems(
     """
     if carat is not None and diameter_mm is not None:
         raise InputError("give a weight or a diameter, not both", key="carat", value=carat)
-    if diameter_mm is not None:
-        _check_diameter(diameter_mm, "diameter", diameter_mm)
+    low, high = DIAMETER_RANGE_MM
+    if diameter_mm is not None and not low <= diameter_mm <= high:
+        raise InputError(f"must be from {low:g} to {high:g} [mm]", key="diameter", value=diameter_mm)
     gems = []
     for stone in stones:
         named = material if material is not None else stone.material
@@ -149,15 +149,8 @@ def make_gems(
                     "needs the material's density, which its file does not give", key="carat", value=carat
                 )
             diameter = carat_to_girdle_diameter_mm(carat, _volume(stone), of_stone.density)
-            _check_diameter(diameter, "carat", carat, f"makes a girdle of {diameter:.3g} mm, which ")
         gems.append(Gem(stone=stone, material=of_stone, material_name=name, diameter_mm=diameter))
     return gems
-
-
-def _check_diameter(diameter_mm: float, key: str, value: float, told: str = "") -> None:
-    low, high = DIAMETER_RANGE_MM
-    if not low <= diameter_mm <= high:
-        raise InputError(f"{told}must be from {low:g} to {high:g} [mm]", key=key, value=value)
 
 
 def require_denoiser() -> Any:

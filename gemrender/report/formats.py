@@ -21,15 +21,12 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from gemrender.errors import InputError
-
 __all__ = [
     "FORMATS",
     "Cell",
     "Column",
     "Note",
     "TextTable",
-    "check_format",
     "csv_lines",
     "format_csv",
     "format_json",
@@ -104,12 +101,6 @@ class TextTable:
     def note(self, text: str, style: str = "dim", of: str | None = None) -> None:
         """Add a line beneath; `of` names the column that it explains."""
         self.notes.append(Note(text, style, of))
-
-
-def check_format(form: str) -> None:
-    """Refuse a form that no table has."""
-    if form not in FORMATS:
-        raise InputError(f"must be one of {', '.join(FORMATS)}", key="format", value=form)
 
 
 # ---- For people ----------------------------------------------------------------------------------------

@@ -25,6 +25,7 @@ __all__ = [
     "model_text",
     "score_record",
     "score_table",
+    "score_values",
 ]
 
 
@@ -140,6 +141,11 @@ def _small(share: float) -> str:
 
 def _shown(value: Any) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def score_values(score: Score, settings: dict[str, Any] | None = None) -> dict[str, Any]:
+    """Return a score as JSON has it, with what was set for its stone, if anything was."""
+    return score.to_dict() | ({"settings": settings} if settings else {})
 
 
 def score_record(score: Score, settings: dict[str, Any] | None = None) -> dict[str, Any]:

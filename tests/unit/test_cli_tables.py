@@ -154,6 +154,31 @@ def test_maps_of_a_table_are_named_after_its_rows(folder, gemrender):
     assert {path.name for path in Path("maps").iterdir()} == {"a1.exr", "a1.png", "b2.exr", "b2.png"}
 
 
+REPORT = "[report]\ntable = 57\ncrown_angle = 34.5\npavilion_angle = 40.8\ngirdle_thickness = 3\n"
+TOLD = "gemrender: one.toml: taken: star 50 (not in the report)\n"
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "score one.toml --json",
+        "compare one.toml --format csv",
+        "symmetry one.toml --draws 1",
+        "show one.toml --what outline",
+        "report one.toml",
+        "scene one.toml --out s",
+        "scene one.toml --out s --setup studio",
+        "render one.toml -o a.png --setup hemisphere --size 8 --spp 1",
+    ],
+)
+def test_what_was_assumed_is_told_whatever_is_done(command, folder, gemrender, variant_llvm_ad_mono):
+    Path("one.toml").write_text(REPORT)
+    fast = FAST if command.split()[0] in ("score", "compare", "symmetry", "report") else []
+    status, _, err = gemrender(*command.split(), *fast)
+    assert status == 0, err
+    assert TOLD in err
+
+
 # ---- Settings --------------------------------------------------------------------------------------------
 
 
@@ -165,6 +190,8 @@ def test_a_grid_has_a_column_a_setting(gemrender):
     assert [(float(row["pavilion_angle"]), float(row["table"])) for row in found] == expected
     (first, *_) = json.loads(gemrender("score", "inoue-3", *FAST, *grid, "--json")[1])
     assert first["settings"] == {"pavilion_angle": 40.5, "table": 54.0}
+    compared = json.loads(gemrender("compare", "inoue-3", *FAST, *grid, "--format", "json")[1])
+    assert compared[0]["settings"] == first["settings"]
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ import pytest
 from rich.console import Console
 
 from gemrender.report.formats import (
+    FORMATS,
     Column,
     TextTable,
     csv_lines,
@@ -59,6 +60,12 @@ def test_a_note_on_a_column_goes_with_it():
     made.note("Band: what it is.", of="Band")
     assert "Band: what it is." in printed(made, 100)
     assert "Band: what it is." not in printed(made, 50)
+
+
+def test_the_command_line_offers_the_forms_that_there_are():
+    from gemrender.cli import options
+
+    assert options._FORMATS == FORMATS
 
 
 def test_numbers_are_never_cut():
