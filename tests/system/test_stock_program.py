@@ -14,7 +14,7 @@ from observations import environment, run_python
 from gemrender.render.llvm import LLVM_VARIABLE, export_line
 from gemrender.render.photoreal import make_gems
 from gemrender.scene.photoreal import photoreal_scene
-from gemrender.scene.setup import load_setup
+from gemrender.scene.setup import Setup, Sky
 from gemrender.scene.xml import write_photoreal
 from gemrender.stone import load_stone
 
@@ -34,9 +34,14 @@ needs_the_program = pytest.mark.skipif(
 )
 
 
+#: One light and one mesh: of several the order, and with it the picture, differs from run to run in Mitsuba's
+#: own loader, and its program cannot be told otherwise. Light from everywhere: no noise.
+SETUP = Setup(name="Overcast", sky=Sky(radiance=1.0))
+
+
 def written(folder, *, stock):
     gems = make_gems([load_stone("inoue-3")])
-    made = photoreal_scene(gems, load_setup("white"), width=16, height=16, samples=256, stock=stock)
+    made = photoreal_scene(gems, SETUP, width=16, height=16, samples=256, stock=stock)
     return write_photoreal(folder, NAME, made, about="a stone", stock=stock)
 
 
