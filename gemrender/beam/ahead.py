@@ -12,6 +12,7 @@ import math
 from typing import Any, NamedTuple
 
 from gemrender.beam.compiled import jit_fast, jit_inner, real
+from gemrender.beam.crossing import PARALLEL
 
 __all__ = ["Ahead", "planes_ahead"]
 
@@ -59,7 +60,7 @@ def _least_distances(
         gap = columns[3, j] - nx * x - ny * y - nz * z
         spread = abs(nx * u0 + ny * u1 + nz * u2) + abs(nx * v0 + ny * v1 + nz * v2)
         inverse = 1.0 / slope
-        ahead = slope > 0.0
+        ahead = slope > PARALLEL
         least[j] = (gap - spread) * inverse if ahead else math.inf
         largest[j] = (gap + spread) * inverse if ahead else math.inf
     smallest = math.inf

@@ -7,7 +7,10 @@ from typing import Any
 from gemrender.beam.compiled import jit, real, root
 from gemrender.optics.fresnel import LEAST_TOTAL
 
-__all__ = ["into_air", "into_stone", "is_total"]
+__all__ = ["PARALLEL", "into_air", "into_stone", "is_total"]
+
+#: A ray runs along a plane and never meets it if the cosine between it and the normal is no larger: rounding.
+PARALLEL = 1e-12
 
 
 @jit

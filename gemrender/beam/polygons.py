@@ -193,7 +193,7 @@ def _at_walls(walls: Any, part: int, n: int, met: Any, before: Any, path: Any, w
 @jit_inner
 def _leave(
     path: Any, leaves: int, beam: Any, part: int, n: int, size: Any, at_ground: bool, work: Any
-) -> float:  # fmt: skip
+) -> Any:  # fmt: skip
     """Write a polygon that leaves into the list, cut along z = 0 if that is asked for; return its area."""
     if not (at_ground and is_cut_by_ground(work.table[part], n, beam)):
         store(EXITED, path, leaves, beam, part, n, size, work)

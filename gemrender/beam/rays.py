@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from gemrender.beam.compiled import jit, jit_fast, jit_inner
-from gemrender.beam.crossing import into_air
+from gemrender.beam.crossing import PARALLEL, into_air
 from gemrender.observation import PATH_CODE_FACTOR, PATH_CODE_MASK, RayStatus
 from gemrender.optics.fresnel import LEAST_TOTAL
 from gemrender.paths import Paths
@@ -66,7 +66,7 @@ def _nearest_planes(planes: Any, block: Any, n: int) -> None:
         for k in range(n):
             slope = nx * block[_DX + k] + ny * block[_DY + k] + nz * block[_DZ + k]
             gap = offset - nx * block[_X + k] - ny * block[_Y + k] - nz * block[_Z + k]
-            closer = (slope > 0.0) & (gap * block[_SLOPE + k] < block[_GAP + k] * slope)
+            closer = (slope > PARALLEL) & (gap * block[_SLOPE + k] < block[_GAP + k] * slope)
             block[_GAP + k] = gap if closer else block[_GAP + k]
             block[_SLOPE + k] = slope if closer else block[_SLOPE + k]
             block[_PLANE + k] = number if closer else block[_PLANE + k]

@@ -32,8 +32,9 @@ INTENSITY, REAR, TRAPPED, LOST, BANDS, MET, N_SUMS = 0, 1, 2, 3, 4, 10, 11
 #: Lower edges of the bands of intensity but the last, brightest first, as shares of the light.
 BAND_EDGES = (0.75, 0.60, 0.45, 0.30, 0.15)
 
-#: Heights up to this count as z <= 0 [stone's unit]: rounding.
-GROUND = 1e-12
+#: z <= 0 within rounding [stone's unit]: what comes in through a level facet at z = 0 itself, such as a flat
+#: base, is not below the girdle, however its height is rounded.
+GROUND = -1e-10
 
 
 def rear_mask(paths: Paths, model: Model) -> np.ndarray:
