@@ -26,9 +26,10 @@ from gemrender.score import Score, score
 if TYPE_CHECKING:
     from gemrender.beam import VirtualFacets, trace_facets
     from gemrender.beam.sensitivity import sensitivity
+    from gemrender.cuts import RoundBrilliant, bundled_stones, load_stone, load_stones, vary
     from gemrender.observation import Model, Observation, RayStatus, View
     from gemrender.render.backend import mitsuba
-    from gemrender.stone import RoundBrilliant, Stone, bundled_stones, load_stone, load_stones, vary
+    from gemrender.stone import Stone
 
 __version__ = "0.1.0"
 
@@ -61,13 +62,13 @@ _ON_DEMAND = {
     "Observation": "gemrender.observation",
     "RayStatus": "gemrender.observation",
     "View": "gemrender.observation",
-    "RoundBrilliant": "gemrender.stone",
+    "RoundBrilliant": "gemrender.cuts",
     "Stone": "gemrender.stone",
-    "bundled_stones": "gemrender.stone",
-    "load_stone": "gemrender.stone",
-    "load_stones": "gemrender.stone",
+    "bundled_stones": "gemrender.cuts",
+    "load_stone": "gemrender.cuts",
+    "load_stones": "gemrender.cuts",
     "mitsuba": "gemrender.render.backend",
-    "vary": "gemrender.stone",
+    "vary": "gemrender.cuts",
     "VirtualFacets": "gemrender.beam",
     "sensitivity": "gemrender.beam.sensitivity",
     "trace_facets": "gemrender.beam",

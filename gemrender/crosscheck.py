@@ -126,10 +126,9 @@ def crosscheck(first: Observation, second: Observation) -> CrossCheck:
     """
     import numpy as np
 
-    # Planes, too: stones with tilted facets have the vertices of the straight one.
-    same_stone = all(
-        np.array_equal(getattr(first.stone, name), getattr(second.stone, name))
-        for name in ("vertices", "facet_normals", "facet_offsets")
+    one, other = first.stone.solid, second.stone.solid
+    same_stone = type(one) is type(other) and all(
+        np.array_equal(getattr(one, name), getattr(other, name)) for name in ("planes", "facet", "is_round")
     )
     if not same_stone or first.view != second.view or first.model != second.model:
         raise ValueError("the observations are of different stones, views or models")

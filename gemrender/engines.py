@@ -132,7 +132,7 @@ def observe(
     resolution: int = DEFAULT_RESOLUTION,
     variant: str = DEFAULT_VARIANT,
     fresnel: str | None = None,
-    rear: str = "position",
+    rear: str | None = None,
     intensity: str = "primary",
     tilt_deg: float = 0.0,
     tilt_azimuth_deg: float = 0.0,
@@ -156,8 +156,8 @@ def observe(
         Mitsuba variant, which is set and left set; the other engines make no use of it.
     fresnel : {"gubelin", "exact"}, optional
         Transmittance law; by default Gübelin's table for diamond, Fresnel's equations for other stones.
-    rear : {"position", "direction"}
-        What counts as rear light.
+    rear : {"position", "facet", "direction"}, optional
+        What counts as rear light; by default "position" where the girdle's lower edge is level, else "facet".
     intensity : {"primary", "radiance"}
         The paper's measure, or radiance.
     tilt_deg, tilt_azimuth_deg : float
@@ -205,7 +205,7 @@ def measure(
     resolution: int = DEFAULT_RESOLUTION,
     variant: str = DEFAULT_VARIANT,
     fresnel: str | None = None,
-    rear: str = "position",
+    rear: str | None = None,
     intensity: str = "primary",
     tilt_deg: float = 0.0,
     tilt_azimuth_deg: float = 0.0,
@@ -242,7 +242,7 @@ def _asked(
     stone: Stone,
     resolution: int,
     fresnel: str | None,
-    rear: str,
+    rear: str | None,
     intensity: str,
     tilt_deg: float,
     tilt_azimuth_deg: float,

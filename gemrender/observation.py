@@ -29,8 +29,9 @@ __all__ = [
     "bound_text",
 ]
 
-#: Rear light by where it came in (the paper: z <= 0), or by the direction it came from.
-REAR_RULES = ("position", "direction")
+#: Rear light by where it came in (the paper: z <= 0), by the facet that it came in through (one of the
+#: pavilion), or by the direction it came from.
+REAR_RULES = ("position", "facet", "direction")
 #: The paper's intensity per unit beam cross-section, or radiance (the same without the S factors).
 INTENSITIES = ("primary", "radiance")
 #: Intensity of the light that falls on the stone [%].
@@ -66,8 +67,9 @@ class Model:
         Refractive index of the stone relative to air.
     fresnel : {"gubelin", "exact"}
         Transmittance by Gübelin's table (diamond only) or by Fresnel's equations.
-    rear : {"position", "direction"}
-        Whether light is rear light by where it came in (z <= 0) or by coming from below the horizon.
+    rear : {"position", "facet", "direction"}
+        Whether light is rear light by where it came in (z <= 0), by coming in through a pavilion facet, or by
+        coming from below the horizon.
     intensity : {"primary", "radiance"}
         The paper's measure T S T S, or radiance T T.
     max_reflections : int
@@ -104,16 +106,21 @@ class Model:
 
     @classmethod
     def of(
-        cls, stone: Stone, *, fresnel: str | None = None, rear: str = "position", intensity: str = "primary"
+        cls,
+        stone: Stone,
+        *,
+        fresnel: str | None = None,
+        rear: str | None = None,
+        intensity: str = "primary",
     ) -> Model:
-        """Return the model for a stone's material; by default Gübelin's table for diamond, else exact."""
+        """Return the model for a stone: by default Gübelin's table for diamond, else exact, and its rule."""
         try:
             index = refractive_index(stone.material)
         except InputError as error:
             raise error.at(stone.source or stone.name, "material") from error
         if fresnel is None:
             fresnel = "gubelin" if index == GUBELIN_INDEX else "exact"
-        return cls(index=index, fresnel=fresnel, rear=rear, intensity=intensity)
+        return cls(index=index, fresnel=fresnel, rear=rear or stone.rear_rule, intensity=intensity)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -160,11 +167,8 @@ class View:
     def of(
         cls, stone: Stone, resolution: int, *, tilt_deg: float = 0.0, tilt_azimuth_deg: float = 0.0
     ) -> View:
-        """Return the view whose map just holds the stone: the girdle's disc, unless tilted."""
-        half_width = stone.girdle.largest_radius
-        if tilt_deg:
-            # Every vertex lies within this radius of the origin, however the stone is turned.
-            half_width = max(half_width, float(np.linalg.norm(stone.vertices, axis=1).max()))
+        """Return the view whose map just holds the stone; tilted, however it is turned."""
+        half_width = max(stone.half_width, stone.reach) if tilt_deg else stone.half_width
         return cls(
             resolution=resolution,
             half_width=half_width,

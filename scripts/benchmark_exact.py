@@ -22,10 +22,11 @@ from typing import Any
 import numpy as np
 
 from gemrender.beam import BOUND_RANGE, beam_stone, measure, prepare, trace_facets
+from gemrender.cuts import RoundBrilliant, load_stone
 from gemrender.engines import DEFAULT_BOUND, observe
 from gemrender.observation import Model
 from gemrender.score import score_pixels
-from gemrender.stone import RoundBrilliant, Stone, load_stone
+from gemrender.stone import Stone
 
 MODEL = Model(fresnel="exact")
 RESOLUTIONS = (256, 512, 1024, 2048, 4096)

@@ -18,11 +18,12 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from gemrender.cuts import load_stone
+from gemrender.cuts.random import random_brilliant
 from gemrender.engines import DEFAULT_VARIANT
 from gemrender.observation import LIGHT_LEVEL, MOST_REFLECTIONS, Model, View
 from gemrender.render.backend import ensure_variant
-from gemrender.stone import Stone, load_stone
-from gemrender.stone.random import random_brilliant
+from gemrender.stone import Stone
 
 ensure_variant(DEFAULT_VARIANT)
 

@@ -78,12 +78,12 @@ def count(arguments: argparse.Namespace, setup: str) -> Counter[str]:
 
 def outcomes(arguments: argparse.Namespace) -> list[str]:
     """Render in this process; return a digest of each picture and the maps beside it."""
+    from gemrender.cuts import load_stone
     from gemrender.observation import MAP_CHANNELS, View
     from gemrender.render.backend import ensure_variant
     from gemrender.render.observe import observe
     from gemrender.render.photoreal import make_gems, render
     from gemrender.scene.setup import load_setup
-    from gemrender.stone import load_stone
 
     ensure_variant(arguments.variant)
     import drjit as dr

@@ -29,8 +29,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from gemrender.cuts import load_stone
 from gemrender.report.lettering import save_png
-from gemrender.stone import Stone, load_stone
+from gemrender.stone import Stone
 from gemrender.stone.mesh import tessellate
 from gemrender.writing import write_whole
 

@@ -18,12 +18,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gemrender.beam import BOUND_RANGE, measure
+from gemrender.cuts import RoundBrilliant, load_stone
+from gemrender.cuts.random import random_brilliant
 from gemrender.engines import DEFAULT_BOUND, observe
 from gemrender.observation import Measurement, Model
 from gemrender.report.lettering import save_png
 from gemrender.score import score_pixels
-from gemrender.stone import RoundBrilliant, Stone, load_stone
-from gemrender.stone.random import random_brilliant
+from gemrender.stone import Stone
 from gemrender.writing import write_whole
 
 if TYPE_CHECKING:

@@ -54,9 +54,9 @@ def main() -> int:
 
 def outcome(setup: Setup, size: int, samples: int, seed: int) -> str:
     """Render a stone in a set-up; return what came of it."""
+    from gemrender.cuts import load_stone
     from gemrender.render.finish import exposure_of
     from gemrender.render.photoreal import make_gems, render
-    from gemrender.stone import load_stone
 
     try:
         gems = make_gems([load_stone("inoue-3")])

@@ -16,12 +16,12 @@ from pathlib import Path
 
 from PIL import Image
 
+from gemrender.cuts import load_stone
 from gemrender.errors import BackendError
 from gemrender.render.finish import denoised, developed, exposure_of
 from gemrender.render.frames import render_film
 from gemrender.render.photoreal import make_gems, render, require_denoiser
 from gemrender.scene.setup import load_setup
-from gemrender.stone import load_stone
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -21,9 +21,10 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from gemrender.cuts import load_stone
 from gemrender.errors import GemrenderError
 from gemrender.scene.loading import load_scene
-from gemrender.stone import Stone, load_stone, tessellate
+from gemrender.stone import Stone, tessellate
 
 __all__ = ["BUILDERS", "ContestantError", "Remote", "Shot", "View", "cores", "scene"]
 

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import argparse
 
+from gemrender.cuts import load_stone
 from gemrender.render.finish import exposure_of, write_picture
 from gemrender.render.photoreal import make_gems, render
 from gemrender.scene.setup import load_setup
-from gemrender.stone import load_stone
 
 
 def main() -> None:

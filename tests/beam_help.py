@@ -6,7 +6,8 @@ import numpy as np
 
 from gemrender.beam import FacetStatus, VirtualFacets
 from gemrender.beam.polygons import area
-from gemrender.stone import RoundBrilliant, Stone
+from gemrender.cuts import RoundBrilliant
+from gemrender.stone import Stone
 
 #: Upright planes around the view of a round stone, seen from straight above (`beam.solid`).
 RIM_SIDES = 256

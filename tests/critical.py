@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from gemrender.stone import RoundBrilliant, Stone
+from gemrender.cuts import RoundBrilliant
+from gemrender.stone import Stone
 
 #: Ten indices from glass to the largest that is allowed.
 INDICES = tuple(float(n) for n in np.linspace(1.5, 4.0, 10))

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
+from gemrender.cuts import load_stone, stone_from_vertices
 from gemrender.report.displays.labels import text_boxes
-from gemrender.stone import Stone, load_stone
+from gemrender.stone import Stone
 
 
 def measured_stone(deviation: float = 0.004, seed: int = 3) -> Stone:
     """Return inoue-2 as if measured in millimetres, every vertex off by a normal deviate [girdle radius]."""
     vertices = load_stone("inoue-2").vertices
     off = np.random.default_rng(seed).normal(0.0, deviation, vertices.shape)
-    return Stone.from_vertices(3.1 * (vertices + off), name="measured stone")
+    return stone_from_vertices(3.1 * (vertices + off), name="measured stone")
 
 
 def texts(figure) -> list[str]:

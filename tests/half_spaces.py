@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gemrender.stone import RoundBrilliant
+from gemrender.cuts import RoundBrilliant
 
 _STEP = math.pi / 8
 #: Number of the cylinder among the surfaces.

@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from gemrender.cuts import load_stone
 from gemrender.observation import MAP_TYPES, Model, Observation, RayStatus, View
-from gemrender.stone import Stone, load_stone
+from gemrender.stone import Stone
 
 #: Shares and scores [%] by counting pixels: a quotient of whole numbers, with float64's rounding.
 SHARE = 1e-12

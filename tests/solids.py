@@ -6,8 +6,9 @@ import math
 
 import numpy as np
 
-from gemrender.stone import RoundBrilliant, Stone, StoneMesh, load_stone
-from gemrender.stone.topology import CULET
+from gemrender.cuts import RoundBrilliant, load_stone, stone_from_vertices
+from gemrender.cuts.round_brilliant.topology import CULET
+from gemrender.stone import Stone, StoneMesh
 
 _STEP = math.pi / 8
 
@@ -20,7 +21,7 @@ def bent_stone(culet: float, *, name: str = "bent", stretched: float = 1.0) -> S
     vertices = load_stone("inoue-3").vertices.copy()
     vertices[CULET, 2] += culet
     vertices[:, 0] *= stretched
-    return Stone.from_vertices(vertices, name=name)
+    return stone_from_vertices(vertices, name=name)
 
 
 def assert_closed(mesh: StoneMesh) -> None:

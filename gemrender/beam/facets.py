@@ -15,9 +15,8 @@ from gemrender.beam.crossing import EXACT, GUBELIN
 from gemrender.beam.polygons import EXITED, GIRDLE_CELL, TRAPPED, trace_polygons
 from gemrender.beam.rules import Rules
 from gemrender.beam.solid import NO_WEDGE, BeamStone, beam_stone
-from gemrender.observation import LIGHT_LEVEL, Model, View
+from gemrender.observation import LIGHT_LEVEL, REAR_RULES, Model, View
 from gemrender.stone import Stone
-from gemrender.stone.topology import FACET_KINDS, FACET_NAMES, N_SECTORS
 
 __all__ = ["FacetStatus", "VirtualFacets", "kernel_rules", "trace_facets"]
 
@@ -112,7 +111,7 @@ class VirtualFacets:
     @property
     def parts(self) -> int:
         """So many images of what was traced make the whole view."""
-        return 16 if len(self.wedge) else 1
+        return 2 * self.stone.symmetry.fold if len(self.wedge) else 1
 
     def polygon(self, i: int) -> np.ndarray:
         """Return the corners of a virtual facet, (k, 2) [girdle radius]."""
@@ -130,13 +129,16 @@ class VirtualFacets:
     def images(self) -> np.ndarray:
         """Return the number of virtual facets of the whole view that each stands for, (n,) int64.
 
-        That is 1, unless a wedge was traced: 16, or 8 where it is the half of one that a mirror plane cuts
-        (its path meets only facets that the mirror image leaves in place), or 1 around the axis.
+        That is 1, unless a wedge was traced: as many as there are parts; half as many where it is the half of
+        one that a mirror plane cuts (its path meets only facets that the mirror image leaves in place), or 1
+        around the axis.
         """
         if not len(self.wedge):
             return np.ones(len(self), dtype=np.int64)
-        fixed = _all_along(self.nodes, _FIXED)
-        return np.asarray(np.array([16, 8, 8, 1])[fixed[self.node] @ np.array([1, 2])])
+        images = self.stone.symmetry.images[: len(self.wedge)]  # of the mirrors beside the wedge
+        cut = _all_along(self.nodes, np.ascontiguousarray((images == np.arange(images.shape[1])).T))
+        number = cut[self.node].sum(axis=1)
+        return np.asarray(np.where(number == 2, 1, self.parts >> number))
 
 
 @jit
@@ -150,30 +152,13 @@ def _all_along(nodes: Any, of_facet: Any) -> Any:
     return out
 
 
-def _fixed_facets() -> np.ndarray:
-    """Facets (57, 2) that the mirror planes at azimuth 0 and pi/8 leave in place."""
-    numbers: dict[str, int] = {}
-    out = []
-    for kind in FACET_KINDS[:-1]:
-        k = numbers[kind] = numbers.get(kind, -1) + 1
-        # The middle of the facet's azimuth in half steps of pi/8.
-        middle = {"star": 4 * k + 2, "bezel": 4 * k, "pavilion_main": 4 * k}.get(kind, 2 * k + 1)
-        turn = 2 * N_SECTORS
-        out.append([kind == "table" or (2 * middle - mirror) % turn == 0 for mirror in (0, 4)])
-    return np.array(out)
-
-
-_FIXED = _fixed_facets()
-assert len(_FIXED) == len(FACET_NAMES) - 1
-
-
 def kernel_rules(model: Model) -> Rules:
     """Return the model as the kernels take it."""
     return Rules(
         refractive_index=float(model.index),
         law=GUBELIN if model.fresnel == "gubelin" else EXACT,
         radiance=model.intensity == "radiance",
-        rear_by_position=model.rear == "position",
+        rear=REAR_RULES.index(model.rear),
         max_reflections=int(model.max_reflections),
     )
 

@@ -88,8 +88,10 @@ class NearGirdle:
         cells = _Cells(facets)
         self._regions: tuple[_Region, _Region] = (cells, _Rim(facets))
         self.cell_area = cells.area
-        self.view_area = view_area(facets.stone, facets.view) / facets.parts
-        self.rim_area = max(self.view_area - float(facets.area.sum()), 0.0)
+        seen = float(facets.area.sum())
+        is_round = facets.stone.is_round  # else polygons tell all of the view
+        self.view_area = view_area(facets.stone, facets.view) / facets.parts if is_round else seen
+        self.rim_area = max(self.view_area - seen, 0.0)
 
     def numbers(self, rays: int) -> tuple[int, int]:
         """Share out a set's rays between the girdle cells and the rim, by their areas.
@@ -215,14 +217,13 @@ class _Rim:
 
     def __init__(self, facets: VirtualFacets) -> None:
         self._facets = facets
-        self._reach = facets.stone.girdle.largest_radius
-        if facets.view.tilt_deg:
-            self._reach = max(self._reach, float(np.linalg.norm(facets.stone.vertices, axis=1).max()))
+        self._reach = facets.stone.reach if facets.view.tilt_deg else 1.0
         # Lines that lie along no edge of a symmetric stone; in a wedge they cross the rim steeply.
         self._azimuth, self._low, self._high = 0.1234, -self._reach, self._reach
-        if len(facets.wedge):
-            self._azimuth = np.pi / 16 + 0.05
-            self._low, self._high = np.sin(-self._azimuth), np.sin(np.pi / 8 - self._azimuth)
+        if len(facets.wedge) > 1:
+            first, last = facets.stone.symmetry.mirrors[:2]
+            self._azimuth = 0.5 * (first + last) + 0.05
+            self._low, self._high = np.sin(first - self._azimuth), np.sin(last - self._azimuth)
 
     def points(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         facets, across = self._facets, self._low + (self._high - self._low) * unit[:, 0]

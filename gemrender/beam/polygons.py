@@ -19,6 +19,8 @@ import numpy as np
 
 from gemrender.beam.compiled import grown, jit, jit_inner, real
 from gemrender.beam.crossing import crossing_factor, into_air, into_stone, is_total
+from gemrender.beam.rules import REAR_FACET, REAR_POSITION
+from gemrender.stone.facets import LEVEL
 
 __all__ = ["EXITED", "GIRDLE_CELL", "N_STATE", "TRAPPED", "area", "trace_polygons"]
 
@@ -360,7 +362,7 @@ def trace_polygons(solid: Any, basis: Any, wedge: Any, rules: Any, least_area: f
     state, direction = np.empty(N_STATE, kind), np.empty(3, kind)
     zero = planes[0, 0] * 0.0
     seen, unaccounted, left_over = 0.0, 0.0, np.zeros(2)
-    inner = walls[0, 2]
+    inner = np.inf
     for w in range(walls.shape[0]):
         inner = min(inner, walls[w, 2])
 
@@ -482,10 +484,11 @@ def trace_polygons(solid: Any, basis: Any, wedge: Any, rules: Any, least_area: f
                 cos_air, cos_stone, index, rules.law, rules.radiance, False
             )
             for below in (False, True):  # at z <= 0 the light is rear light; or all of it is, or none
-                if rules.rear_by_position:
+                if rules.rear == REAR_POSITION:
                     n_part = _part_at_ground(cell, n_cell, state, below, part)
                 else:
-                    n_part = n_cell if (real(out_z) <= 0.0) == below else 0
+                    is_rear = real(nz) < -LEVEL if rules.rear == REAR_FACET else real(out_z) <= 0.0
+                    n_part = n_cell if is_rear == below else 0
                     _copy(cell, n_part, part)
                 size = area(part, n_part)
                 if n_part == 0 or real(size) < _NO_AREA:

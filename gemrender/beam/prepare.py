@@ -10,8 +10,9 @@ from numba.core.registry import cpu_target
 from gemrender.beam import facets, maps, polygons, rays, rim
 from gemrender.beam.cache import KernelCache
 from gemrender.beam.maps import observe
+from gemrender.cuts import RoundBrilliant
 from gemrender.observation import View
-from gemrender.stone import RoundBrilliant, Stone
+from gemrender.stone import Stone
 
 __all__ = ["damaged_cache_files", "is_compiled", "prepare"]
 

@@ -13,8 +13,9 @@ import numpy as np
 
 from gemrender.beam.compiled import jit, jit_fast, jit_inner
 from gemrender.beam.crossing import crossing_factor, into_air, into_stone, is_total
-from gemrender.beam.wall import is_outside, wall_crossing, wall_normal
+from gemrender.beam.rules import REAR_FACET, REAR_POSITION
 from gemrender.observation import PATH_CODE_FACTOR, PATH_CODE_MASK, RayStatus
+from gemrender.stone.facets import LEVEL
 
 __all__ = [
     "BANDS",
@@ -61,8 +62,10 @@ def _entry(ox: float, oy: float, oz: float, dx: float, dy: float, dz: float, sol
             return -1, 0.0
     if t_in >= t_out:
         return -1, 0.0
-    if is_outside(solid.wall, ox + t_in * dx, oy + t_in * dy, oz + t_in * dz):
-        t_in, first = wall_crossing(solid.wall, ox, oy, oz, dx, dy, dz, t_in, t_out, False), planes.shape[0]
+    if solid.is_round:
+        x, y = ox + t_in * dx, oy + t_in * dy
+        if x * x + y * y > 1.0:
+            t_in, first = _into_circle(ox, oy, dx, dy, t_in, t_out), planes.shape[0]
     return (first, t_in) if math.isfinite(t_in) else (-1, 0.0)
 
 
@@ -91,12 +94,30 @@ def _nearest_plane(
 
 
 @jit_inner
+def _into_circle(ox: float, oy: float, dx: float, dy: float, first: float, last: float) -> float:
+    """Return the distance at which a ray enters the upright cylinder of radius 1, or infinity."""
+    a, b, c = dx * dx + dy * dy, ox * dx + oy * dy, ox * ox + oy * oy - 1.0
+    left = b * b - a * c
+    if a == 0.0 or left < 0.0:
+        return math.inf
+    t = (-b - math.sqrt(left)) / a
+    return t if first <= t <= last else math.inf
+
+
+@jit_inner
 def _out_of_circle(ox: float, oy: float, dx: float, dy: float) -> float:
     """Return the distance at which a ray leaves the upright cylinder of radius 1."""
     a, b = dx * dx + dy * dy, ox * dx + oy * dy
     if a == 0.0:
         return math.inf
     return (-b + math.sqrt(max(b * b - a * (ox * ox + oy * oy - 1.0), 0.0))) / a
+
+
+@jit_inner
+def _radial(x: float, y: float) -> Any:
+    """Return the unit vector away from the axis."""
+    r = math.sqrt(x * x + y * y)
+    return x / r, y / r, 0.0
 
 
 @jit_inner
@@ -120,19 +141,17 @@ def _follow(u: float, v: float, basis: Any, solid: Any, facet: Any, rules: Any, 
     code = facet[first] + 1
     ox, oy, oz = ox + t * dx, oy + t * dy, oz + t * dz
     if first == girdle:
-        nx, ny, nz = wall_normal(solid.wall, ox, oy, oz)
+        nx, ny, nz = _radial(ox, oy)
     else:
         nx, ny, nz = planes[first, 0], planes[first, 1], planes[first, 2]
     dx, dy, dz, cos_air, cos_stone = into_stone(dx, dy, dz, nx, ny, nz, rules.refractive_index)
     leaving = crossing_factor(cos_air, cos_stone, rules.refractive_index, rules.law, rules.radiance, True)
     for reflections in range(rules.max_reflections + 1):
         i, t = _nearest_plane(ox, oy, oz, dx, dy, dz, solid.columns, distances)
-        if solid.wall.is_round:
+        if solid.is_round:
             t_girdle = _out_of_circle(ox, oy, dx, dy)
-        else:
-            t_girdle = wall_crossing(solid.wall, ox, oy, oz, dx, dy, dz, 0.0, t, True)
-        if t_girdle < t:
-            i, t = girdle, t_girdle
+            if t_girdle < t:
+                i, t = girdle, t_girdle
         if i < 0:
             return _LOST, 0.0, False, reflections, first, -1, code, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         code = (code * PATH_CODE_FACTOR + facet[i] + 1) & PATH_CODE_MASK
@@ -140,11 +159,14 @@ def _follow(u: float, v: float, basis: Any, solid: Any, facet: Any, rules: Any, 
         if i < girdle:
             nx, ny, nz = planes[i, 0], planes[i, 1], planes[i, 2]
         else:
-            nx, ny, nz = wall_normal(solid.wall, ox, oy, oz)
+            nx, ny, nz = _radial(ox, oy)
         cos = dx * nx + dy * ny + dz * nz
         if not is_total(cos, rules.refractive_index):
             dx, dy, dz, cos_air, cos_stone = into_air(dx, dy, dz, nx, ny, nz, rules.refractive_index)
-            rear = (oz if rules.rear_by_position else dz) <= 0.0
+            if rules.rear == REAR_FACET:
+                rear = i < girdle and planes[i, 2] < -LEVEL
+            else:
+                rear = (oz if rules.rear == REAR_POSITION else dz) <= 0.0
             intensity = 0.0
             if not rear:
                 intensity = leaving * crossing_factor(

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from gemrender.beam.wall import Wall
+__all__ = ["REAR_DIRECTION", "REAR_FACET", "REAR_POSITION", "Rules", "Solid"]
 
-__all__ = ["Rules", "Solid"]
+#: What tells rear light, in the order of `gemrender.observation.REAR_RULES`.
+REAR_POSITION, REAR_FACET, REAR_DIRECTION = 0, 1, 2
 
 
 class Rules(NamedTuple):
@@ -15,7 +16,7 @@ class Rules(NamedTuple):
     refractive_index: float
     law: int  # EXACT or GUBELIN
     radiance: bool
-    rear_by_position: bool
+    rear: int  # REAR_POSITION, REAR_FACET or REAR_DIRECTION
     max_reflections: int
 
 
@@ -32,8 +33,8 @@ class Solid(NamedTuple):
         Normals (x, y) and offsets of upright planes inside the girdle, which beams inside the stone meet.
     rim : (w', 3) float64
         The same, closer to the girdle, for what of the crown the view's polygons cover.
-    wall : Wall
-        The girdle.
+    is_round : bool
+        Whether the girdle is the cylinder of radius 1.
     """
 
     planes: Any
@@ -41,4 +42,4 @@ class Solid(NamedTuple):
     columns: Any
     walls: Any
     rim: Any
-    wall: Wall
+    is_round: bool

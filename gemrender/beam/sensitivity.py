@@ -24,11 +24,12 @@ from gemrender.beam.near_girdle import SETS, STUDENT_T, NearGirdle
 from gemrender.beam.polygons import GIRDLE_CELL, trace_polygons
 from gemrender.beam.rays import INTENSITY, MET, REAR
 from gemrender.beam.solid import BeamStone, beam_stone
+from gemrender.cuts import RoundBrilliant
+from gemrender.cuts.round_brilliant.planes import facet_planes
+from gemrender.cuts.round_brilliant.proportions import brilliant_vertices
 from gemrender.errors import InputError
 from gemrender.observation import LIGHT_LEVEL, Model, View
-from gemrender.stone import RoundBrilliant, Stone
-from gemrender.stone.proportions import brilliant_vertices
-from gemrender.stone.solid import facet_planes
+from gemrender.stone import Stone
 
 __all__ = [
     "PROPORTIONS",
@@ -130,8 +131,7 @@ def proportion_planes(proportions: RoundBrilliant, parameter: str) -> np.ndarray
     """Return a brilliant's planes, (57, 4) complex128, with their derivatives by a proportion [1/%]."""
     numbers: dict[str, complex] = asdict(proportions)
     numbers[parameter] = complex(numbers[parameter], STEP)
-    normals, offsets = facet_planes(brilliant_vertices(**numbers))
-    return np.column_stack([normals, offsets])
+    return facet_planes(brilliant_vertices(**numbers))
 
 
 def facet_totals(
@@ -173,7 +173,7 @@ def check_differentiable(stone: Stone) -> None:
     InputError
         It has none to differentiate by.
     """
-    if stone.proportions is None or stone.is_half_spaces:
+    if stone.proportions is None:
         raise InputError(
             "has no proportions to differentiate by: it must be made from [proportions], [angles] "
             "or [report]",

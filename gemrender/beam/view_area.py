@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from gemrender.observation import View
-from gemrender.stone import Stone, tessellate
-from gemrender.stone.mesh import ARC_SEGMENTS
+from gemrender.stone import ConvexSolid, Stone
+from gemrender.stone.polyhedron import Polyhedron
+from gemrender.stone.solid import ROUND_PIECES
 
 __all__ = ["view_area"]
 
@@ -22,19 +23,22 @@ def view_area(stone: Stone, view: View) -> float:
     """Return the area of a stone's view [girdle radius^2], right to some 1e-6.
 
     A round girdle seen from straight above is the unit disc, unless it is so thin that crown and pavilion
-    meet within it. Views from the side, and girdles that are not round, are measured on meshes with coarser
-    and finer arcs, extrapolated to smooth ones: what they lack falls as the square of the arcs' pieces
-    (Richardson).
+    meet within it. Views from the side are measured on polyhedra with coarser and finer girdles, extrapolated
+    to round ones: what they lack falls as the square of the number of pieces (Richardson).
     """
-    if stone.girdle.is_round and view.tilt_deg == 0:
+    solid = stone.solid
+    assert isinstance(solid, ConvexSolid)
+    if solid.is_round and view.tilt_deg == 0:
         return _area_from_above(stone)
-    areas = []
-    for pieces in (ARC_SEGMENTS, 2 * ARC_SEGMENTS):
-        mesh = tessellate(stone, pieces)
-        a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
-        facing = np.cross(b - a, c - a) @ view.basis()[2]
-        areas.append(0.5 * float(np.maximum(facing, 0.0).sum()))
-    return areas[1] + (areas[1] - areas[0]) / 3
+    eye = view.basis()[2]
+
+    def seen(body: Polyhedron) -> float:
+        return float(np.maximum(body.crosses @ eye, 0.0).sum())
+
+    if not solid.is_round:
+        return seen(solid.polyhedron)
+    coarse, fine = seen(solid.cut(ROUND_PIECES // 2)), seen(solid.polyhedron)
+    return fine + (fine - coarse) / 3
 
 
 def _area_from_above(stone: Stone) -> float:

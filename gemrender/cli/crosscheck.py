@@ -83,8 +83,8 @@ def crosscheck(
 def _random_stones(number: int, seed: int) -> list[Stone]:
     import numpy as np
 
+    from gemrender.cuts.random import random_brilliant
     from gemrender.stone import Stone
-    from gemrender.stone.random import random_brilliant
 
     rng = np.random.default_rng(seed)
     stones = []

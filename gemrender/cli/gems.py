@@ -106,8 +106,8 @@ class GemOptions:
 
 def load_gems(names: list[str], options: GemOptions) -> list[Gem]:
     """Load stones, with their material and size."""
+    from gemrender.cuts import load_stone
     from gemrender.render.photoreal import make_gems
-    from gemrender.stone import load_stone
 
     stones = [load_stone(name) for name in names]
     gems = make_gems(stones, material=options.material, carat=options.carat, diameter_mm=options.diameter)

@@ -13,14 +13,14 @@ from gemrender.cli.output import progress_bar, say
 from gemrender.errors import InputError
 
 if TYPE_CHECKING:
+    from gemrender.cuts.stones import Stones as StonesOfSource
     from gemrender.stone import Stone
-    from gemrender.stone.stones import Stones as StonesOfSource
 
 __all__ = ["LoadedStones", "StoneOptions", "assumptions", "load"]
 
 
 def _complete_setting(incomplete: str) -> list[str]:
-    from gemrender.stone.variations import SETTINGS
+    from gemrender.cuts.variations import SETTINGS
 
     return [f"{key}=" for key in SETTINGS if key.startswith(incomplete)]
 
@@ -59,7 +59,7 @@ class LoadedStones:
     """
 
     def __init__(self, sources: Sequence[str], parts: Sequence[StonesOfSource]) -> None:
-        from gemrender.stone.stones import Lazy
+        from gemrender.cuts.stones import Lazy
 
         self._sources, self._parts = sources, parts
         self._places = [(k, i) for k, part in enumerate(parts) for i in range(len(part))]
@@ -130,8 +130,8 @@ def load(
     settings : sequence of str, optional
         Settings that one stone is varied by, as "pavilion_angle=39:42:0.1".
     """
+    from gemrender.cuts import load_stones, vary
     from gemrender.reading import told_at
-    from gemrender.stone import load_stones, vary
 
     if settings:
         if len(names) != 1:

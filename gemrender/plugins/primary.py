@@ -29,7 +29,7 @@ from gemrender.optics.fresnel import (
 from gemrender.plugins.checks import require_facets
 from gemrender.plugins.properties import choice, number, whole_number
 from gemrender.scene.mesh import FACET_ATTRIBUTE, NORMAL_ATTRIBUTES, OFFSET_ATTRIBUTES
-from gemrender.stone.topology import GIRDLE
+from gemrender.stone.facets import LEVEL
 
 #: The integrator's channels, in order, after the film's own.
 AOV_NAMES = tuple(name for names in MAP_CHANNELS.values() for name in names)
@@ -83,7 +83,8 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
      * - rear
        - |string|
        - What counts as rear light: light that came in below the girdle's lower edge, z <= 0
-         (``position``), or light from below the horizon (``direction``). (Default: ``position``)
+         (``position``), light that came in through a facet that faces down (``facet``), or light from
+         below the horizon (``direction``). (Default: ``position``)
        -
 
      * - intensity
@@ -201,8 +202,9 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         si = scene.ray_intersect(ray, active)
         hit = active & si.is_valid()
         entry_facet, n, offset = _surface(si, hit)
+        on_wall = _is_wall(n)
         d = dr.normalize(mi.Vector3d(ray.d))
-        p, n = _meet(mi.Point3d(ray.o), d, si, mi.Float64(si.t), entry_facet, n, offset, entering=True)
+        p, n = _meet(mi.Point3d(ray.o), d, n, offset, entering=True)
         cos_air_eye = -dr.dot(n, d)
         hit &= cos_air_eye > 0
         sin2 = (1 - dr.square(cos_air_eye)) / dr.square(eta)
@@ -214,7 +216,7 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         p = dr.select(hit, p, 0)
         d = dr.select(hit, d, mi.Vector3d(0, 0, -1))
         retries = mi.UInt32(0)
-        start = _query_start(p, d, entry_facet, retries)  # p itself stays on the surface
+        start = _query_start(p, d, on_wall, retries)  # p itself stays on the surface
         inside = mi.Bool(hit)
         status = dr.select(hit, mi.UInt32(int(RayStatus.TRAPPED)), mi.UInt32(int(RayStatus.MISSED)))
         reflections = mi.UInt32(0)
@@ -222,16 +224,18 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         code = dr.select(hit, mi.UInt32(entry_facet) + 1, 0)
         cos_stone = mi.Float64(1)  # of the angle inside, where the ray leaves
         cos_air = mi.Float64(1)  # of the angle outside
+        rise = mi.Float64(0)  # of the normal there
+        wall_facet = mi.Float(-1)  # number of the wall that a ray grazes
         to_wall = mi.Float64(
             0
         )  # how far the ray goes to a wall that it grazes, while looking for facets before it
 
         while dr.hint(inside, label="gem_primary"):
-            si = scene.ray_intersect(mi.Ray3f(start, mi.Vector3f(d)), mi.RayFlags.ShadingFrame, False, inside)
+            si = scene.ray_intersect(mi.Ray3f(start, mi.Vector3f(d)), mi.RayFlags.Minimal, False, inside)
             found = inside & si.is_valid()
             facet_here, n, offset = _surface(si, found)
-            to_mesh = dr.dot(mi.Point3d(start) - p, d) + mi.Float64(si.t)
-            q, n = _meet(p, d, si, to_mesh, facet_here, n, offset)
+            is_wall = _is_wall(n)
+            q, n = _meet(p, d, n, offset)
             cos_i = dr.dot(n, d)
             # Beside an edge the mesh may show a face whose own place on this line is elsewhere.
             apart = dr.dot(q - mi.Point3d(start), d) - mi.Float64(si.t)
@@ -240,12 +244,14 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
             # The mesh's girdle stands inside the true wall: between them a ray along it may meet a facet,
             # which a parallel one a little further inside finds.
             looks_aside = to_wall > 0
-            grazes = found & ~looks_aside & (facet_here == GIRDLE) & (offset > 0) & (apart > GRAZING)
-            before_wall = found & (facet_here != GIRDLE) & (dr.dot(q - p, d) < to_wall)
+            grazes = found & ~looks_aside & is_wall & (apart > GRAZING)
+            before_wall = found & ~is_wall & (dr.dot(q - p, d) < to_wall)
             at_wall = looks_aside & ~before_wall
             q = dr.select(at_wall, p + to_wall * d, q)
             n = dr.select(at_wall, _radial(q), n)
-            facet_here = dr.select(at_wall, mi.Float(GIRDLE), facet_here)
+            wall_facet = dr.select(grazes, facet_here, wall_facet)
+            facet_here = dr.select(at_wall, wall_facet, facet_here)
+            is_wall |= at_wall
             cos_i = dr.select(at_wall, dr.dot(n, d), cos_i)
             found = (found | at_wall) & ~grazes
             to_wall = dr.select(grazes, dr.dot(q - p, d), 0)
@@ -266,6 +272,7 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
             facet = dr.select(exits, facet_here, facet)
             cos_stone = dr.select(exits, cos_i, cos_stone)
             cos_air = dr.select(exits, cos_t, cos_air)
+            rise = dr.select(exits, n.z, rise)
 
             reflects = found & ~exits & (reflections < self.max_reflections)
             refracted = eta * (d - cos_i * n) + cos_t * n
@@ -274,7 +281,8 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
             inside = reflects | again
             passes_by = again & si.is_valid() & ~grazes
             aside = mi.Point3f(p + RAY_OFFSET * d - ASIDE * _radial(p + to_wall * d))
-            start = dr.select(passes_by, beyond, _query_start(p, d, facet_here, retries))
+            on_wall = dr.select(found, is_wall, on_wall)
+            start = dr.select(passes_by, beyond, _query_start(p, d, on_wall, retries))
             start = dr.select(grazes, aside, start)
 
         return _Path(
@@ -288,6 +296,7 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
             direction=d,
             eye_side=(cos_air_eye, cos_stone_eye),
             light_side=(cos_air, cos_stone),
+            rise=rise,
         )
 
     def _measure(
@@ -296,7 +305,10 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         """Return the radiance along the path, whether the stone was hit, and the AOVs."""
         exited = path.status == int(RayStatus.EXITED)
         p, d = path.point, path.direction
-        rear = exited & ((p.z if self.rear == "position" else d.z) <= 0)
+        if self.rear == "facet":
+            rear = exited & (path.rise < -LEVEL)
+        else:
+            rear = exited & ((p.z if self.rear == "position" else d.z) <= 0)
         transmitted = self._transmittance(*path.eye_side) * self._transmittance(*path.light_side)
         intensity = LIGHT_LEVEL * transmitted
         if self.intensity == "primary":
@@ -366,22 +378,23 @@ class _Path:
     direction: mi.Vector3d  # in which it leaves
     eye_side: tuple[mi.Float64, mi.Float64]  # cosines of the angles in air and in the stone
     light_side: tuple[mi.Float64, mi.Float64]
+    rise: mi.Float64  # z of the normal where it leaves
 
 
 # ---- Queries ----
 
 
-def _query_start(p: mi.Point3d, d: mi.Vector3d, facet: mi.Float, retries: mi.UInt32) -> mi.Point3f:
+def _query_start(p: mi.Point3d, d: mi.Vector3d, on_wall: mi.Bool, retries: mi.UInt32) -> mi.Point3f:
     """Where to look for the next facet from: inside the stone, although p lies on its surface.
 
-    From a plane a little way along the ray, which leaves the line as it is. From the girdle, whose mesh
+    From a plane a little way along the ray, which leaves the line as it is. From a round girdle, whose mesh
     runs inside the true wall, and after a query that found nothing (p lies beside an edge), towards the
     stone's middle; each retry also aside of the last.
     """
     along = p + RAY_OFFSET * d
     step = RAY_OFFSET * mi.Float64(retries)
     drawn_in = p * (1 - RAY_OFFSET - step) + step * dr.cross(d, mi.Vector3d(0.8, 0.36, 0.48))
-    return mi.Point3f(dr.select((facet == GIRDLE) | (retries > 0), drawn_in, along))
+    return mi.Point3f(dr.select(on_wall | (retries > 0), drawn_in, along))
 
 
 # ---- Surfaces of the stone, in double precision ----
@@ -404,26 +417,28 @@ def _surface(si: mi.SurfaceInteraction3f, active: mi.Bool) -> tuple[mi.Float, mi
 def _meet(
     p: mi.Point3d,
     d: mi.Vector3d,
-    si: mi.SurfaceInteraction3f,
-    to_mesh: mi.Float64,
-    facet: mi.Float,
     n: mi.Vector3d,
     offset: mi.Float64,
     *,
     entering: bool = False,
 ) -> tuple[mi.Point3d, mi.Vector3d]:
     """Return where the ray p + t d meets the surface, and the outward normal there."""
-    is_girdle = facet == GIRDLE
+    is_wall = _is_wall(n)
     on_plane = (offset - dr.dot(n, p)) / dr.dot(n, d)
     # A round girdle is the cylinder of radius `offset`, entered through the nearer root and left through
-    # the farther one; of a measured girdle the mesh is taken for the wall.
+    # the farther one.
     a = dr.square(d.x) + dr.square(d.y)
     b = p.x * d.x + p.y * d.y
     c = dr.square(p.x) + dr.square(p.y) - dr.square(offset)
     root = dr.safe_sqrt(dr.square(b) - a * c)
-    on_wall = dr.select(offset > 0, (-b - root if entering else -b + root) / a, to_mesh)
-    q = p + dr.select(is_girdle, on_wall, on_plane) * d
-    return q, dr.select(is_girdle, dr.select(offset > 0, _radial(q), mi.Vector3d(si.sh_frame.n)), n)
+    on_wall = (-b - root if entering else -b + root) / a
+    q = p + dr.select(is_wall, on_wall, on_plane) * d
+    return q, dr.select(is_wall, _radial(q), n)
+
+
+def _is_wall(n: mi.Vector3d) -> mi.Bool:
+    """Whether a face belongs to a round girdle: what it carries as a plane's normal is 0."""
+    return dr.squared_norm(n) < 0.5
 
 
 def _radial(q: mi.Point3d) -> mi.Vector3d:

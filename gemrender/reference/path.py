@@ -9,7 +9,6 @@ import numpy as np
 from gemrender.observation import Model, RayStatus, View
 from gemrender.reference.tracer import START_DISTANCE, trace
 from gemrender.stone import Stone
-from gemrender.stone.topology import FACET_NAMES
 
 __all__ = ["RayPath", "trace_paths"]
 
@@ -26,6 +25,8 @@ class RayPath:
         Where it enters, is reflected and leaves [girdle radius]; empty if it misses the stone.
     facets : (k,) int64
         Facet at each point.
+    facet_names : tuple of str
+        Its name.
     normals : (k, 3) float64
         Outward unit normals there.
     directions : (k + 1, 3) float64
@@ -43,17 +44,13 @@ class RayPath:
     y: float
     points: np.ndarray
     facets: np.ndarray
+    facet_names: tuple[str, ...]
     normals: np.ndarray
     directions: np.ndarray
     status: RayStatus
     reflections: int
     primary_intensity: float
     rear: bool
-
-    @property
-    def facet_names(self) -> list[str]:
-        """Name of the facet at each point."""
-        return [FACET_NAMES[facet] for facet in self.facets]
 
     @property
     def incidence_deg(self) -> np.ndarray:
@@ -102,6 +99,7 @@ def trace_paths(
                 y=float(xy[i, 1]),
                 points=np.reshape(at, (-1, 3)),
                 facets=np.array(facets, dtype=np.int64),
+                facet_names=tuple(stone.facets[facet].name for facet in facets),
                 normals=np.reshape(normals, (-1, 3)),
                 directions=np.concatenate([direction[i : i + 1], np.reshape(after, (-1, 3))]),
                 status=RayStatus(int(record.status[i])),

@@ -26,8 +26,9 @@ from gemrender.observation import (
     View,
 )
 from gemrender.optics.fresnel import is_totally_reflected, transmittance
-from gemrender.reference.surfaces import Surfaces
+from gemrender.reference.surfaces import Surfaces, surfaces_of
 from gemrender.stone import Stone
+from gemrender.stone.facets import LEVEL
 
 __all__ = ["START_DISTANCE", "RayRecord", "observe", "trace"]
 
@@ -89,7 +90,7 @@ def trace(
     on_surface : callable, optional
         Told of every surface that a ray meets, for drawing paths.
     """
-    surfaces = stone if isinstance(stone, Surfaces) else Surfaces(stone)
+    surfaces = surfaces_of(stone) if isinstance(stone, Stone) else stone
     model = model or Model()
     n = len(origin)
     record = RayRecord(
@@ -142,8 +143,12 @@ def trace(
         record.exit_point[out] = o[exits]
         record.exit_direction[out] = d_out
         record.exit_facet[out] = facet[exits]
-        # Section 2.3: light that came in at z <= 0 is rear light, of intensity 0.
-        rear = o[exits, 2] <= 0.0 if model.rear == "position" else d_out[:, 2] <= 0.0
+        # Section 2.3: light that came in at z <= 0 is rear light, of intensity 0. Where the girdle's lower
+        # edge is not level, what came in through a pavilion facet.
+        if model.rear == "facet":
+            rear = normal[exits, 2] < -LEVEL
+        else:
+            rear = (o[exits, 2] if model.rear == "position" else d_out[:, 2]) <= 0.0
         record.rear_mask[out] = rear
         record.primary_intensity[out] = np.where(rear, 0.0, LIGHT_LEVEL * entering * leaving[exits])
 
@@ -189,7 +194,7 @@ def observe(
     """
     start = time.perf_counter()
     model = model or Model.of(stone)
-    surfaces = Surfaces(stone)
+    surfaces = surfaces_of(stone)
     right, up, eye = view.basis()
     x, y = view.cell_centres()
     n = view.resolution**2

@@ -108,8 +108,10 @@ def _fingerprint(*of: Any) -> str:
     gems, setup, *others = of
     digest = hashlib.sha256(repr((gemrender.__version__, setup, others)).encode())
     for gem in gems:
-        digest.update(np.ascontiguousarray(gem.stone.vertices).tobytes())
-        digest.update(repr((gem.material, gem.diameter_mm, gem.stone.tilted_planes)).encode())
+        solid = gem.stone.solid
+        for part in (solid.planes, solid.facet, *([] if gem.stone.is_convex else [solid.vertices])):
+            digest.update(np.ascontiguousarray(part).tobytes())
+        digest.update(repr((gem.material, gem.diameter_mm, solid.is_round)).encode())
     return digest.hexdigest()
 
 

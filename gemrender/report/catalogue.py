@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
+from gemrender.cuts import bundled_stones, load_stone
 from gemrender.optics import material_names
 from gemrender.optics.material_sheet import material_sheet
 from gemrender.render.diagnosis import Check
 from gemrender.report.formats import Column, TextTable
 from gemrender.scene.setup import bundled_setups, load_setup
-from gemrender.stone import bundled_stones, load_stone
 
 __all__ = [
     "check_records",

@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from gemrender.stone import Stone
-from gemrender.stone.topology import (
+from gemrender.cuts.round_brilliant.topology import (
     CONTACT,
     CULET,
     FACET_KINDS,
@@ -17,6 +16,7 @@ from gemrender.stone.topology import (
     STAR_TIP,
     TABLE_CORNER,
 )
+from gemrender.stone import Stone
 
 __all__ = ["Dimension", "dimensions"]
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from gemrender.cuts.round_brilliant.topology import FACET_KINDS
 from gemrender.engines import DEFAULT_BOUND, DEFAULT_TIME_LIMIT, require_engine
 from gemrender.errors import InputError
 from gemrender.observation import Model, View, bound_text
@@ -19,7 +20,6 @@ from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR
 from gemrender.report.tables import LEAST_SHOWN, band_name, how_text, model_text
 from gemrender.score import BAND_EDGES, FacetSizes, Score, score_measurement
 from gemrender.stone import Stone
-from gemrender.stone.topology import FACET_KINDS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

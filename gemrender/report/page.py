@@ -23,6 +23,16 @@ from typing import Any
 import numpy as np
 
 import gemrender
+from gemrender.cuts.round_brilliant.topology import (
+    FACET_NAMES,
+    GIRDLE,
+    GIRDLE_LOWER,
+    GIRDLE_UPPER,
+    LOWER_GIRDLE_TRIANGLES,
+    TRIANGLE_FACET,
+    TRIANGLES,
+    UPPER_GIRDLE_TRIANGLES,
+)
 from gemrender.engines import DEFAULT_MEMORY_LIMIT, DEFAULT_TIME_LIMIT
 from gemrender.errors import InputError
 from gemrender.observation import Model, Observation, RayStatus, View
@@ -38,16 +48,6 @@ from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR
 from gemrender.report.tables import LEAST_SHOWN, band_name, how_text, model_text
 from gemrender.score import Score, score_observation
 from gemrender.stone import Stone, tessellate
-from gemrender.stone.topology import (
-    FACET_NAMES,
-    GIRDLE,
-    GIRDLE_LOWER,
-    GIRDLE_UPPER,
-    LOWER_GIRDLE_TRIANGLES,
-    TRIANGLE_FACET,
-    TRIANGLES,
-    UPPER_GIRDLE_TRIANGLES,
-)
 from gemrender.writing import write_whole
 
 __all__ = ["MOST_STONES", "check_number", "check_target", "report_html", "write_report"]

@@ -10,8 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gemrender.stone.topology import GIRDLE
-
 __all__ = ["ConvexSolid", "convex_solid"]
 
 #: How far a vertex may lie beyond a plane, or beside the girdle's cylinder [share of the solid's size]: the
@@ -52,7 +50,7 @@ class ConvexSolid:
 
 
 def convex_solid(
-    positions: np.ndarray, normals: np.ndarray, faces: np.ndarray, facet: np.ndarray
+    positions: np.ndarray, normals: np.ndarray, faces: np.ndarray, on_wall: np.ndarray
 ) -> ConvexSolid | None:
     """Return the solid that a stone's mesh bounds, or None if it is not convex or its girdle not round.
 
@@ -63,14 +61,14 @@ def convex_solid(
         those of the wall. A vertex belongs to one plane only.
     faces : (f, 3) int
         Vertices of each face.
-    facet : (f,) int
-        Facet that each face belongs to; `GIRDLE` for the girdle.
+    on_wall : (f,) bool
+        Which faces belong to a round girdle.
     """
     positions, normals = np.asarray(positions, dtype=np.float64), np.asarray(normals, dtype=np.float64)
     # What single precision rounds by goes with the distance from the origin.
     size = max(float(np.linalg.norm(np.ptp(positions, axis=0))), 0.1 * float(np.abs(positions).max()))
-    on_girdle = np.unique(faces[facet == GIRDLE])
-    planar = np.unique(faces[facet != GIRDLE])
+    on_girdle = np.unique(faces[on_wall])
+    planar = np.unique(faces[~on_wall])
     if len(planar) == 0:
         return None
     # One plane for each normal: rounded ones are equal, or next to it.

@@ -21,11 +21,10 @@ __all__ = [
     "sweep_mesh",
 ]
 
-#: Face attribute with the number of the facet (0 to 57, the girdle last).
+#: Face attribute with the number of the facet.
 FACET_ATTRIBUTE = "face_facet"
 #: Face attributes with the plane's outward normal and its offset [girdle radius], each in double precision
-#: as the sum of two singles. On the girdle the normal is 0 and the offset the radius of its cylinder, or 0
-#: where the outline is not round.
+#: as the sum of two singles. On a round girdle the normal is 0 and the offset the radius of its cylinder.
 NORMAL_ATTRIBUTES = ("face_normal_high", "face_normal_low")
 OFFSET_ATTRIBUTES = ("face_offset_high", "face_offset_low")
 
@@ -33,8 +32,7 @@ OFFSET_ATTRIBUTES = ("face_offset_high", "face_offset_low")
 def stone_mesh(stone: Stone | StoneMesh, bsdf: dict[str, Any] | None = None, name: str = "stone") -> Any:
     """Build the stone's mesh for the active variant.
 
-    Vertex normals are those of the planes, and radial on the girdle. Two stones' meshes have the same
-    numbers of vertices and faces.
+    Vertex normals are those of the planes, and radial on a round girdle.
 
     Parameters
     ----------
@@ -50,9 +48,15 @@ def stone_mesh(stone: Stone | StoneMesh, bsdf: dict[str, Any] | None = None, nam
     mi.Mesh
     """
     mesh = stone if isinstance(stone, StoneMesh) else tessellate(stone)
-    shape = _mesh(name, *mesh.split(), bsdf)
-    shape.add_attribute(FACET_ATTRIBUTE, 1, mesh.face_facet.astype(np.float32))
-    for names, values in ((NORMAL_ATTRIBUTES, mesh.face_normals), (OFFSET_ATTRIBUTES, mesh.face_offsets)):
+    return _with_planes(
+        _mesh(name, *mesh.split(), bsdf), mesh.face_facet, mesh.face_normals, mesh.face_offsets
+    )
+
+
+def _with_planes(shape: Any, facet: np.ndarray, normals: np.ndarray, offsets: np.ndarray) -> Any:
+    """Give a mesh its facets' numbers, and their planes in double precision."""
+    shape.add_attribute(FACET_ATTRIBUTE, 1, facet.astype(np.float32))
+    for names, values in ((NORMAL_ATTRIBUTES, normals), (OFFSET_ATTRIBUTES, offsets)):
         high = values.astype(np.float32)
         low = (values - high).astype(np.float32)
         for name, part in zip(names, (high, low), strict=True):
@@ -61,7 +65,7 @@ def stone_mesh(stone: Stone | StoneMesh, bsdf: dict[str, Any] | None = None, nam
 
 
 def placed_mesh(placed: Placed, bsdf: dict[str, Any] | None = None, name: str = "stone") -> Any:
-    """Build the mesh of a stone in its place, for pictures: with the facets' numbers, but without planes.
+    """Build the mesh of a stone in its place, for pictures.
 
     Returns
     -------
@@ -69,8 +73,9 @@ def placed_mesh(placed: Placed, bsdf: dict[str, Any] | None = None, name: str = 
     """
     _, normals, faces = placed.mesh.split()
     shape = _mesh(name, placed.split_points(), normals @ placed.rotation.T, faces, bsdf)
-    shape.add_attribute(FACET_ATTRIBUTE, 1, placed.mesh.face_facet.astype(np.float32))
-    return shape
+    planes = placed.mesh.face_normals @ placed.rotation.T
+    offsets = placed.scale * placed.mesh.face_offsets + planes @ placed.shift
+    return _with_planes(shape, placed.mesh.face_facet, planes, offsets)
 
 
 def sweep_mesh(
@@ -114,14 +119,14 @@ def mesh_solid(shape: Any) -> ConvexSolid | None:
     """Read a stone's solid back from its mesh, wherever it stands; None if it is none of `placed_mesh`'s."""
     import mitsuba as mi
 
-    if not isinstance(shape, mi.Mesh) or not np.any(shape.has_attribute(FACET_ATTRIBUTE)):
+    if not isinstance(shape, mi.Mesh) or not np.any(shape.has_attribute(NORMAL_ATTRIBUTES[0])):
         return None
     values = mi.traverse(shape)
     return convex_solid(
         np.array(values["vertex_positions"]).reshape(-1, 3),
         np.array(values["vertex_normals"]).reshape(-1, 3),
         np.array(values["faces"]).reshape(-1, 3),
-        np.array(values[FACET_ATTRIBUTE]).astype(np.int64),
+        ~np.array(values[NORMAL_ATTRIBUTES[0]]).reshape(-1, 3).any(axis=1),
     )
 
 

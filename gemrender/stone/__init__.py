@@ -1,22 +1,23 @@
-"""Stones: files, proportions or vertices in, planes, triangles, girdle and mesh out. Needs numpy only."""
+"""Stones: solids with named facets, their symmetry and meshes. Needs numpy, and scipy where it is used."""
 
 from __future__ import annotations
 
-from gemrender.stone.files import bundled_stones, load_stone, load_stones
-from gemrender.stone.girdle import Girdle
+from gemrender.stone.facets import Facet, side_of
+from gemrender.stone.frame import in_frame
 from gemrender.stone.mesh import StoneMesh, tessellate
-from gemrender.stone.proportions import RoundBrilliant
-from gemrender.stone.solid import Stone
-from gemrender.stone.variations import vary
+from gemrender.stone.solid import ConvexSolid, MeshSolid, convex_solid
+from gemrender.stone.stone import Stone
+from gemrender.stone.symmetry import Symmetry
 
 __all__ = [
-    "Girdle",
-    "RoundBrilliant",
+    "ConvexSolid",
+    "Facet",
+    "MeshSolid",
     "Stone",
     "StoneMesh",
-    "bundled_stones",
-    "load_stone",
-    "load_stones",
+    "Symmetry",
+    "convex_solid",
+    "in_frame",
+    "side_of",
     "tessellate",
-    "vary",
 ]

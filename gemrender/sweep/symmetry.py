@@ -16,10 +16,11 @@ from typing import Any
 
 import numpy as np
 
+from gemrender.cuts import stone_from_vertices
 from gemrender.engines import DEFAULT_ENGINE, DEFAULT_VARIANT, engine_for, require_engine
 from gemrender.errors import InputError
 from gemrender.journal import Journal
-from gemrender.stone import Stone, tessellate
+from gemrender.stone import Stone
 from gemrender.sweep.workers import LostProcessError, in_processes
 
 __all__ = ["MOST_DRAWS", "SymmetryStudy", "check_study", "draw_stone", "study_symmetry"]
@@ -100,9 +101,9 @@ def draw_stone(stone: Stone, tilt_deg: float, jitter: float, seed: int, number: 
         try:
             if jitter:
                 moved = stone.vertices + rng.normal(0.0, jitter, stone.vertices.shape)
-                return Stone.from_vertices(moved, name=stone.name, material=stone.material)
+                return stone_from_vertices(moved, name=stone.name, material=stone.material)
             drawn = stone.tilted(tilt_deg, rng)
-            tessellate(drawn, arc_segments=2)  # fails where crown and pavilion meet
+            drawn.solid.cut(32)  # fails where nothing is left
         except InputError as error:
             last = error
         else:
@@ -205,11 +206,12 @@ def check_study(stones: Iterable[Stone], *, tilt_deg: float, jitter: float, draw
         if not low <= value <= high:
             raise InputError(f"must be from {low:g} to {high:g}", key=key, value=value)
     for stone in stones:
-        if not jitter and not stone.girdle.is_round:
+        if jitter and stone.labelled_vertices is None:
             raise InputError(
-                "facets can be tilted of stones with a round outline only; use --jitter for measured ones",
-                source=stone.source or stone.name,
+                "only the 57 vertices of round brilliants can be jittered", source=stone.source or stone.name
             )
+        if not jitter and not stone.is_convex:
+            raise InputError("facets can be tilted of convex stones only", source=stone.source or stone.name)
 
 
 def _entry(line: Any) -> tuple[int, tuple[float, float]]:

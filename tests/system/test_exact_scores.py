@@ -21,12 +21,12 @@ from solids import bent_stone
 
 from gemrender.beam import measure, trace_facets
 from gemrender.crosscheck import crosscheck
+from gemrender.cuts import load_stone
+from gemrender.cuts.random import random_brilliant
 from gemrender.engines import observe
 from gemrender.observation import Model
 from gemrender.reference import trace_paths
 from gemrender.score import score_pixels
-from gemrender.stone import load_stone
-from gemrender.stone.random import random_brilliant
 
 #: Girdles above this [%] are nowhere so thin that crown and pavilion meet within the circle.
 THICK = 3.0

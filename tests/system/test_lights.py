@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from observations import ROOT
 
+from gemrender.cuts import load_stone
 from gemrender.errors import GemrenderWarning, InputError
 from gemrender.render.backend import ensure_variant
 from gemrender.render.finish import developed, exposure_of
@@ -17,7 +18,6 @@ from gemrender.render.photoreal import make_gems, render
 from gemrender.scene.photoreal import photoreal_scene
 from gemrender.scene.setup import Camera, Ground, Light, Setup, Sky, load_setup
 from gemrender.scene.xml import write_photoreal
-from gemrender.stone import load_stone
 
 #: Single precision, of spectra and of sums over wavelengths and samples.
 SINGLE = 2e-6

@@ -10,13 +10,13 @@ import pytest
 from meshes import box, turned, write_ply
 from PIL import Image
 
+from gemrender.cuts import load_stone
 from gemrender.errors import GemrenderWarning
 from gemrender.plugins import register
 from gemrender.render.photoreal import make_gems
 from gemrender.scene.photoreal import photoreal_scene
 from gemrender.scene.setup import load_setup
 from gemrender.scene.xml import write_photoreal
-from gemrender.stone import load_stone
 
 #: Samples a pixel, and by how many standard errors two means may differ.
 SAMPLES, SIGMAS = 64, 4.0

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from gemrender.colorimetry import colour_matching, y_integral_nm
+from gemrender.cuts import load_stone
 from gemrender.errors import InputError
 from gemrender.render.backend import ensure_variant
 from gemrender.render.passes import Passes, _stratified, check_range
@@ -13,7 +14,6 @@ from gemrender.render.photoreal import FILTER_RADIUS, make_gems
 from gemrender.scene.loading import load_scene
 from gemrender.scene.photoreal import photoreal_scene
 from gemrender.scene.setup import load_setup
-from gemrender.stone import load_stone
 
 #: Standard error of the stated noise by the measured one, of sixteen pictures: so well it is tested.
 NOISE_KNOWN = 0.07

@@ -18,14 +18,15 @@ from physics_tolerances import COORDINATE, ONE_DECIMAL, SAME_PATH, SAMPLING_512
 import gemrender.render.observe as by_mitsuba
 from gemrender import Model, RayStatus, RoundBrilliant, Stone, View, load_stone
 from gemrender.crosscheck import crosscheck
+from gemrender.cuts import stone_from_vertices
+from gemrender.cuts.random import random_brilliant
+from gemrender.cuts.round_brilliant.topology import N_VERTICES
 from gemrender.engines import observe
 from gemrender.observation import MAP_TYPES
 from gemrender.reference import observe as by_reference
 from gemrender.reference import trace
 from gemrender.scene.generator import stone_scene
 from gemrender.score import score_observation
-from gemrender.stone.random import random_brilliant
-from gemrender.stone.topology import N_VERTICES
 
 SAMPLES = ["inoue-1", "inoue-2", "inoue-3"]
 
@@ -78,7 +79,7 @@ def test_girdle_thinner_than_its_scallops(variant_llvm_ad_mono, thickness):
 
 def test_measured_stone(variant_llvm_ad_mono, rng):
     # Every vertex moved at random by 0.1 % of the radius: bent kites, an outline that is not round.
-    stone = Stone.from_vertices(sample().vertices() + rng.normal(scale=1e-3, size=(N_VERTICES, 3)))
+    stone = stone_from_vertices(sample().vertices() + rng.normal(scale=1e-3, size=(N_VERTICES, 3)))
     assert not stone.girdle.is_round
     assert_agree(stone)
 
@@ -235,7 +236,7 @@ def test_another_stone_needs_no_new_kernel(variant_llvm_ad_mono, rng):
     assert kernels(Stone(vertices=sample().vertices(), material="sapphire")) <= known
     assert kernels(Stone(vertices=sample().vertices(), material=1.5)) <= known
     vertices = sample().vertices() + rng.normal(scale=1e-3, size=(N_VERTICES, 3))
-    assert kernels(Stone.from_vertices(vertices), **exact) <= known
+    assert kernels(stone_from_vertices(vertices), **exact) <= known
     assert not kernels(load_stone("inoue-1"), fresnel="gubelin") <= known
 
 

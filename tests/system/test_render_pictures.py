@@ -22,10 +22,10 @@ from render_help import (
 
 from gemrender import cli
 from gemrender.colorimetry import colour_matching, luminance_weights, y_integral_nm
+from gemrender.cuts import load_stone
+from gemrender.cuts.files import save_vertices
 from gemrender.render import photoreal
 from gemrender.scene.setup import bundled_setups
-from gemrender.stone import load_stone
-from gemrender.stone.files import save_vertices
 
 
 def test_a_png_is_written_with_what_it_shows(render):

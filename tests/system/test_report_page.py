@@ -19,6 +19,8 @@ from observations import observation as made_observation
 from typer.testing import CliRunner
 
 from gemrender.cli.report import report
+from gemrender.cuts import load_stone, stone_from_vertices
+from gemrender.cuts.round_brilliant.topology import FACET_NAMES
 from gemrender.engines import observe as observe_by
 from gemrender.errors import InputError
 from gemrender.observation import Observation, RayStatus
@@ -26,8 +28,7 @@ from gemrender.reference import observe, trace_paths
 from gemrender.reference.path import RayPath
 from gemrender.report.page import INTENSITY_STEPS, MAP_PIXELS, MOST_STONES, report_html, write_report
 from gemrender.score import score_observation
-from gemrender.stone import Stone, load_stone
-from gemrender.stone.topology import FACET_NAMES
+from gemrender.stone import Stone
 
 #: Pixels a side of the maps.
 RESOLUTION = 128
@@ -54,7 +55,7 @@ HOSTILE = '</script><script>alert(1)</script><img src=x onerror="alert(2)">{{dat
 def measured() -> Stone:
     rng = np.random.default_rng(1)
     vertices = load_stone("inoue-2").vertices
-    return Stone.from_vertices(vertices + rng.normal(0, 0.002, vertices.shape), name="measured")
+    return stone_from_vertices(vertices + rng.normal(0, 0.002, vertices.shape), name="measured")
 
 
 @pytest.fixture(scope="module")
@@ -399,7 +400,7 @@ def test10_prints(opened, pages):
 
 def test11_names_are_harmless(opened, tmp_path):
     rng = np.random.default_rng(1)
-    stone = Stone.from_vertices(load_stone("inoue-3").vertices, name=HOSTILE)
+    stone = stone_from_vertices(load_stone("inoue-3").vertices, name=HOSTILE)
     hostile = made_observation(
         resolution=32, stone=stone, primary_intensity=rng.uniform(0, 90, (32, 32)), reflections=2
     )

@@ -13,10 +13,11 @@ from solids import bent_stone
 from gemrender.beam import beam_stone, measure
 from gemrender.beam.compiled import STEP
 from gemrender.beam.sensitivity import PROPORTIONS, facet_totals, proportion_planes, sensitivity
+from gemrender.cuts import RoundBrilliant, load_stone
+from gemrender.cuts.random import random_brilliant
 from gemrender.errors import InputError
 from gemrender.observation import Model, View
-from gemrender.stone import RoundBrilliant, Stone, load_stone
-from gemrender.stone.random import random_brilliant
+from gemrender.stone import Stone
 
 MODEL = Model(fresnel="exact")
 

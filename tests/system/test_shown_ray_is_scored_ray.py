@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from displays_help import measured_stone
 
+from gemrender.cuts import load_stone
+from gemrender.cuts.round_brilliant.topology import GIRDLE
 from gemrender.engines import observe
 from gemrender.observation import PATH_CODE_FACTOR, PATH_CODE_MASK, RayStatus
 from gemrender.reference import trace_paths
 from gemrender.report.displays.rays import check_points
-from gemrender.stone import load_stone
-from gemrender.stone.topology import GIRDLE
 
 PIXELS = 1000
 RESOLUTION = 256

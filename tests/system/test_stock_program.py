@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from observations import environment, run_python
 
+from gemrender.cuts import load_stone
 from gemrender.render.llvm import LLVM_VARIABLE, export_line
 from gemrender.render.photoreal import make_gems
 from gemrender.scene.photoreal import photoreal_scene
 from gemrender.scene.setup import Setup, Sky
 from gemrender.scene.xml import write_photoreal
-from gemrender.stone import load_stone
 
 #: A name that takes care to write: into a shell, into Python, and into an XML comment.
 NAME = "a --- scene"

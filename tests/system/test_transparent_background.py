@@ -7,13 +7,13 @@ import pytest
 from PIL import Image
 
 from gemrender.colorimetry import colour_matching, y_integral_nm
+from gemrender.cuts import load_stone
 from gemrender.render.backend import ensure_variant
 from gemrender.render.frames import render_film
 from gemrender.render.passes import Passes
 from gemrender.render.photoreal import make_gems, render
 from gemrender.scene.photoreal import photoreal_scene
 from gemrender.scene.setup import load_setup
-from gemrender.stone import load_stone
 
 SIZE, SPP = 24, 8
 #: Bins of 5 nm against the matching function within them.

@@ -18,13 +18,13 @@ from gemrender.beam.near_girdle import NearGirdle
 from gemrender.beam.polygons import area, clip
 from gemrender.beam.rays import BANDS, INTENSITY, MET, REAR
 from gemrender.beam.wall import is_outside, wall_crossing, wall_normal, wall_of
+from gemrender.cuts import RoundBrilliant, load_stone, stone_from_vertices
+from gemrender.cuts.random import random_brilliant
 from gemrender.engines import engine_for, observe, require_engine
 from gemrender.errors import InputError
 from gemrender.observation import Model, View
 from gemrender.optics.fresnel import transmittance
 from gemrender.score import BAND_EDGES, score
-from gemrender.stone import RoundBrilliant, Stone, load_stone
-from gemrender.stone.random import random_brilliant
 
 INDEX = 2.4173
 LAWS = {"exact": EXACT, "gubelin": GUBELIN}
@@ -115,7 +115,7 @@ def test_a_hollow_stone_is_refused_by_name_and_told_what_can_trace_it():
 
 def test_hollows_of_rounded_digits_are_traced():
     vertices = np.round(load_stone("inoue-3").vertices, 6)
-    rounded = score(Stone.from_vertices(vertices, name="rounded"), engine="exact")
+    rounded = score(stone_from_vertices(vertices, name="rounded"), engine="exact")
     perfect = score(load_stone("inoue-3"), engine="exact")
     assert rounded.average == pytest.approx(perfect.average, abs=rounded.bound + perfect.bound)
     assert rounded.rear == pytest.approx(perfect.rear, abs=rounded.bound + perfect.bound)

@@ -16,13 +16,14 @@ from gemrender.beam import Budget, FacetStatus, beam_stone, check_limits, measur
 from gemrender.beam.budget import MEMORY_RANGE, TIME_RANGE
 from gemrender.beam.maps import observe
 from gemrender.beam.sensitivity import sensitivity
+from gemrender.cuts import RoundBrilliant, load_stone
 from gemrender.engines import require_engine
 from gemrender.errors import InputError
 from gemrender.observation import MAP_TYPES, Model, View, bound_text
 from gemrender.report.formats import print_tables
 from gemrender.report.tables import score_table
 from gemrender.score import score, score_measurement
-from gemrender.stone import RoundBrilliant, Stone, load_stone
+from gemrender.stone import Stone
 
 STONE = load_stone("inoue-2")
 #: No time left, however often one asks.

@@ -15,8 +15,8 @@ from solids import bent_stone
 
 from gemrender import crosscheck
 from gemrender.cli import output
-from gemrender.stone import bundled_stones
-from gemrender.stone.files import save_vertices
+from gemrender.cuts import bundled_stones
+from gemrender.cuts.files import save_vertices
 
 #: A map that the reference traces in an instant.
 FAST = ["--engine", "reference", "--resolution", "16"]

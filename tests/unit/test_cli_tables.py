@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from gemrender.stone import bundled_stones
+from gemrender.cuts import bundled_stones
 from tests.observations import environment, run_gemrender
 
 FAST = ["--engine", "reference", "--resolution", "16"]

@@ -9,6 +9,7 @@ import json
 import numpy as np
 import pytest
 
+from gemrender.cuts import load_stone
 from gemrender.errors import InputError
 from gemrender.observation import RayStatus
 from gemrender.report.comparison import (
@@ -20,7 +21,7 @@ from gemrender.report.comparison import (
     write_comparison,
 )
 from gemrender.report.formats import FORMATS
-from gemrender.stone import Stone, load_stone
+from gemrender.stone import Stone
 from tests.observations import ROOT, observation, run_gemrender, run_python
 
 FAST = ("--engine", "reference", "--resolution", "32")

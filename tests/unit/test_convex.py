@@ -8,11 +8,11 @@ from physics_tolerances import READ_BACK
 from solids import bent_stone
 
 from gemrender import load_stone
+from gemrender.cuts.round_brilliant.topology import GIRDLE
 from gemrender.scene.convex import convex_solid
 from gemrender.scene.mesh import mesh_solid, placed_mesh, stone_mesh
 from gemrender.scene.placing import Placed
 from gemrender.stone import tessellate
-from gemrender.stone.topology import GIRDLE
 
 #: A rotation about an axis beside all others, by 50 degrees.
 AXIS = np.array([2.0, -3.0, 6.0]) / 7.0

@@ -10,8 +10,8 @@ import pytest
 from observations import STONE, observation
 
 from gemrender.crosscheck import LONG_PATH, crosscheck
+from gemrender.cuts import load_stone
 from gemrender.observation import Model, RayStatus, View
-from gemrender.stone import load_stone
 
 #: Pixels a side, all of them covered: one pixel is 0.01 %.
 N = 100

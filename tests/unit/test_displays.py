@@ -13,6 +13,8 @@ from displays_help import boxes, measured_stone, overlaps, texts
 from matplotlib import image
 
 from gemrender.cli.show import _FORMATS, _WHATS, _points
+from gemrender.cuts import RoundBrilliant, bundled_stones, load_stone, stone_from_vertices
+from gemrender.cuts.round_brilliant.topology import FACET_KINDS, GIRDLE, VERTEX_LABELS
 from gemrender.errors import InputError
 from gemrender.observation import Model, RayStatus
 from gemrender.reference import trace_paths
@@ -24,8 +26,7 @@ from gemrender.report.displays.ray_colours import RAY_COLOURS, REAR_COLOUR, ray_
 from gemrender.report.displays.rays import default_points
 from gemrender.report.displays.triangles import visible_triangles
 from gemrender.report.displays.vertices import VERTEX_CODES
-from gemrender.stone import RoundBrilliant, Stone, bundled_stones, load_stone, tessellate
-from gemrender.stone.topology import FACET_KINDS, GIRDLE, VERTEX_LABELS
+from gemrender.stone import Stone, tessellate
 
 #: Means over a measured stone's places, and what they are compared with [%]: float64 rounding.
 ROUNDING_PERCENT = 1e-10
@@ -122,7 +123,7 @@ def test_the_angles_of_a_report_come_back():
 @pytest.mark.parametrize("bundled", ["inoue-1", "tolkowsky"])
 def test_a_stone_is_measured_as_it_was_made(bundled):
     made = stone_named(bundled)
-    measured = Stone.from_vertices(2.5 * made.vertices + (1, 2, 3))
+    measured = stone_from_vertices(2.5 * made.vertices + (1, 2, 3))
     expected = dimensions(made)
     for key, dimension in dimensions(measured).items():
         assert dimension.value == pytest.approx(expected[key].value, abs=ROUNDING_PERCENT), key

@@ -17,6 +17,9 @@ from solids import bent_stone
 
 from gemrender import cli
 from gemrender.beam import FacetStatus, trace_facets
+from gemrender.cuts import load_stone
+from gemrender.cuts.files import save_vertices
+from gemrender.cuts.round_brilliant.topology import FACET_KINDS
 from gemrender.errors import InputError
 from gemrender.observation import Model, View
 from gemrender.report import displays
@@ -31,9 +34,7 @@ from gemrender.report.facets import (
 )
 from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR
 from gemrender.score import BAND_EDGES, score
-from gemrender.stone import Stone, load_stone
-from gemrender.stone.files import save_vertices
-from gemrender.stone.topology import FACET_KINDS
+from gemrender.stone import Stone
 
 #: Shares are written with one decimal, or more.
 WRITTEN = 0.05

@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tolerances import PRINTED_PERCENT, ROUNDING
 
+from gemrender.cuts import RoundBrilliant, load_stone
+from gemrender.cuts.girdle_words import GIRDLE_WORDS, check_culet, read_girdle
+from gemrender.cuts.laboratory import REPORT_KEYS, read_report
 from gemrender.errors import InputError
-from gemrender.stone import RoundBrilliant, load_stone
-from gemrender.stone.girdle_words import GIRDLE_WORDS, check_culet, read_girdle
-from gemrender.stone.laboratory import REPORT_KEYS, read_report
 
 #: GIA's reference stone, as a report prints it (Reinitz, Gilbertson & Geurts, "Weight ratio").
 REFERENCE = {

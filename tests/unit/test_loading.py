@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
+from gemrender.cuts import load_stone
 from gemrender.render.photoreal import make_gems
 from gemrender.scene.loading import load_scene
 from gemrender.scene.photoreal import photoreal_scene
 from gemrender.scene.setup import load_setup
-from gemrender.stone import load_stone
 
 
 def described(setup):

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import pytest
 
+from gemrender.cuts import RoundBrilliant, load_stone
 from gemrender.errors import InputError
 from gemrender.mistakes import LONGEST_TOLD, MOST_TOLD, Mistakes, MistakesError
 from gemrender.optics import load_material
 from gemrender.reading import read_lines, told_at
 from gemrender.scene.setup import Camera, load_setup
-from gemrender.stone import RoundBrilliant, load_stone
 from tests.observations import run_gemrender
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from gemrender.cuts import load_stone
 from gemrender.errors import GemrenderError, GemrenderWarning
 from gemrender.render.backend import ensure_variant
 from gemrender.render.noise import relative_error
@@ -13,7 +14,6 @@ from gemrender.render.photoreal import make_gems, render
 from gemrender.scene.loading import load_scene
 from gemrender.scene.photoreal import photoreal_scene
 from gemrender.scene.setup import load_setup
-from gemrender.stone import load_stone
 
 #: Of a million draws: their own scatter.
 MANY_DRAWS = 0.005

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from solids import bent_stone
 
+from gemrender.cuts import load_stone
 from gemrender.render.backend import ensure_variant
 from gemrender.render.photoreal import make_gems
 from gemrender.scene.mesh import placed_mesh
@@ -13,7 +14,7 @@ from gemrender.scene.photoreal import photoreal_scene
 from gemrender.scene.placing import Placed
 from gemrender.scene.setup import load_setup
 from gemrender.scene.shapes import StoneShape
-from gemrender.stone import load_stone, tessellate
+from gemrender.stone import tessellate
 
 #: Single precision of places that are a few units from the origin.
 PLACE = 1e-6

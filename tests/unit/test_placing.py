@@ -11,14 +11,14 @@ import pytest
 from solids import half_space_volume
 from tolerances import MESH_VOLUME, QUADRATURE_VOLUME, ROUNDING
 
+from gemrender.cuts import bundled_stones, load_stone
+from gemrender.cuts.round_brilliant.topology import CULET, FACET_POLYGONS
 from gemrender.errors import InputError
 from gemrender.optics import load_material
 from gemrender.render.photoreal import make_gems
 from gemrender.scene.photoreal import photoreal_scene
 from gemrender.scene.placing import frame, place, towards
 from gemrender.scene.setup import CAMERAS, POSES, Camera, Setup, Sky, load_setup
-from gemrender.stone import bundled_stones, load_stone
-from gemrender.stone.topology import CULET, FACET_POLYGONS
 
 STONES = [load_stone(name) for name in bundled_stones()]
 ROW = [load_stone(name) for name in ("inoue-1", "inoue-3", "tolkowsky")]

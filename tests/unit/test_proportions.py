@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 from tolerances import ANGLE_DEG, PLANE, PRINTED_PERCENT, ROUNDING
 
-from gemrender.errors import InputError
-from gemrender.stone import RoundBrilliant, Stone
-from gemrender.stone.proportions import ANGLE_RANGES, RANGES, smallest_star
-from gemrender.stone.topology import (
+from gemrender.cuts import RoundBrilliant
+from gemrender.cuts.round_brilliant.proportions import ANGLE_RANGES, RANGES, smallest_star
+from gemrender.cuts.round_brilliant.topology import (
     CONTACT,
     CULET,
     FACET_KINDS,
@@ -23,6 +22,8 @@ from gemrender.stone.topology import (
     TRIANGLE_FACET,
     VERTEX_LABELS,
 )
+from gemrender.errors import InputError
+from gemrender.stone import Stone
 
 # The paper's samples (docs/model.md, section 6): TB, SU, LG, CH, PD, GH.
 SAMPLES = {

@@ -21,13 +21,9 @@ from physics_tolerances import (
 )
 
 from gemrender import Model, RayStatus, RoundBrilliant, Stone, View, load_stone
-from gemrender.optics.fresnel import critical_angle_deg, transmittance
-from gemrender.reference import observe, surfaces, trace, tracer
-from gemrender.reference.surfaces import Surfaces
-from gemrender.score import score_observation
-from gemrender.stone import tessellate
-from gemrender.stone.random import random_brilliant
-from gemrender.stone.topology import (
+from gemrender.cuts import stone_from_vertices
+from gemrender.cuts.random import random_brilliant
+from gemrender.cuts.round_brilliant.topology import (
     CONTACT,
     FACET_KINDS,
     FACET_POLYGONS,
@@ -39,6 +35,11 @@ from gemrender.stone.topology import (
     TRIANGLE_FACET,
     TRIANGLES,
 )
+from gemrender.optics.fresnel import critical_angle_deg, transmittance
+from gemrender.reference import observe, surfaces, trace, tracer
+from gemrender.reference.surfaces import surfaces_of
+from gemrender.score import score_observation
+from gemrender.stone import tessellate
 
 SAMPLES = ["inoue-1", "inoue-2", "inoue-3"]
 INDEX = 2.4173
@@ -71,7 +72,7 @@ def solid(proportions):
 def measured(rng, scale, **other):
     """The sample with every vertex moved at random, by so much in the mean [girdle radius]."""
     vertices = sample(**other).vertices() + rng.normal(scale=scale, size=(N_VERTICES, 3))
-    return Stone.from_vertices(vertices)
+    return stone_from_vertices(vertices)
 
 
 def from_above(xy):
@@ -249,7 +250,7 @@ def test_first_surface_from_outside_is_where_the_half_spaces_begin(proportions, 
     planes = half_spaces(proportions)
     for origin, direction in (over_the_top_view(rng, 1500), from_all_around(rng, 1500)):
         t_in, facet, t_out, _ = planes.clip(origin, direction)
-        hit = Surfaces(solid(proportions)).nearest(origin, direction, inside=False)
+        hit = surfaces_of(solid(proportions)).nearest(origin, direction, inside=False)
         met = t_in < t_out
         np.testing.assert_array_equal(hit.facet, np.where(met, facet, -1))
         np.testing.assert_allclose(hit.distance[met], t_in[met], rtol=0, atol=PATH)
@@ -265,7 +266,7 @@ def test_next_surface_from_inside_is_where_the_half_spaces_end(proportions, rng)
     p = p[planes.outside(p) < 0]
     assert len(p) > 500
     direction = from_all_around(rng, len(p))[1]
-    hit = Surfaces(solid(proportions)).nearest(p, direction, inside=True)
+    hit = surfaces_of(solid(proportions)).nearest(p, direction, inside=True)
     _, _, t_out, facet = planes.clip(p, direction)
     np.testing.assert_array_equal(hit.facet, facet)
     np.testing.assert_allclose(hit.distance, t_out, rtol=0, atol=PATH)
@@ -436,7 +437,7 @@ def test_ray_that_slips_between_two_surfaces_takes_the_nearest_plane(rng, monkey
     planes, p = half_spaces(sample()), rng.uniform(-1, 1, size=(4000, 3))
     p = p[planes.outside(p) < -0.01]
     direction = from_all_around(rng, len(p))[1]
-    hit = Surfaces(solid(sample())).nearest(p, direction, inside=True)
+    hit = surfaces_of(solid(sample())).nearest(p, direction, inside=True)
     _, _, t_out, facet = planes.clip(p, direction)
     assert (hit.facet >= 0).all()
     on_planes = facet != CYLINDER
@@ -449,7 +450,7 @@ def test_slightly_hollow_stone_loses_no_ray(rng):
     vertices = sample().vertices()
     vertices[STAR_TIP, 2] += 0.01
     vertices[CONTACT, 2] -= 0.01
-    stone = Stone.from_vertices(vertices)
+    stone = stone_from_vertices(vertices)
     beyond = stone.triangle_normals @ stone.vertices.T - stone.triangle_offsets[:, None]
     assert beyond.max() > 1e-3, "the stone is convex"
     for rays in (over_the_top_view(rng, 2000), from_all_around(rng, 2000)):
@@ -506,7 +507,7 @@ def test_rear_light_begins_at_the_girdles_lower_edge(name, height, rng):
 @pytest.mark.parametrize("name", SAMPLES)
 def test_stone_given_by_its_vertices_scores_the_same(name):
     made = load_stone(name)
-    given = Stone.from_vertices(3.7 * made.vertices + [10.0, -20.0, 5.0])
+    given = stone_from_vertices(3.7 * made.vertices + [10.0, -20.0, 5.0])
     assert given.girdle.is_round
     a, b = (score_observation(observe(stone, View.of(made, 96))) for stone in (made, given))
     assert b.average == pytest.approx(a.average, abs=ORBIT_96)

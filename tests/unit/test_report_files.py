@@ -15,14 +15,14 @@ from matplotlib.image import imread
 from observations import STONE, observation
 
 import gemrender
+from gemrender.cuts import stone_from_vertices
+from gemrender.cuts.files import LONGEST_NAME
 from gemrender.errors import InputError
 from gemrender.observation import MAP_CHANNELS, MAP_TYPES, PATH_CODE_MASK, RayStatus
 from gemrender.report import figures
 from gemrender.report.files import file_stems, prepare_folder, write_exr, write_observation
 from gemrender.report.lettering import boxes_for_letters
 from gemrender.score import BAND_EDGES, score_observation
-from gemrender.stone import Stone
-from gemrender.stone.files import LONGEST_NAME
 
 #: Least difference of two colours of the picture (CIEDE2000), for eyes with and without colour blindness:
 #: about ten just noticeable differences, told apart without looking twice.
@@ -100,7 +100,7 @@ def test_attributes_say_what_the_maps_are(tmp_path):
 
 
 def test_a_measured_stone_has_no_proportions(tmp_path):
-    stone = Stone.from_vertices(STONE.vertices, name="石 «measured»")
+    stone = stone_from_vertices(STONE.vertices, name="石 «measured»")
     write_exr(observation(resolution=2, stone=stone), tmp_path / "map.exr")
     header = OpenEXR.File(str(tmp_path / "map.exr")).header()
     assert (header["stone"], header["proportions"]) == ("石 «measured»", "null")
@@ -198,7 +198,7 @@ def test_colours_are_apart_for_every_eye(anomaly):
     ids=["long", "wide", "words", "markup", "lines"],
 )
 def test_any_name_stays_on_the_page(name):
-    stone = Stone.from_vertices(STONE.vertices, name=name)
+    stone = stone_from_vertices(STONE.vertices, name=name)
     assert_within(figures.map_figure(observation(resolution=2, stone=stone)))
 
 

@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 from critical import INDICES, at_critical_angle
 
+from gemrender.cuts import load_stone, stone_from_vertices
 from gemrender.observation import Model, RayStatus, View
 from gemrender.reference import RayPath, trace_paths
 from gemrender.report.page import topology, traced
-from gemrender.stone import Stone, load_stone
+from gemrender.stone import Stone
 
 #: Rays of each stone, all over its top view.
 RAYS = 1000
@@ -44,7 +45,7 @@ def measured(sigma: float, seed: int) -> Stone:
     """Return sample 2 with every vertex moved at random."""
     rng = np.random.default_rng(seed)
     vertices = load_stone("inoue-2").vertices
-    return Stone.from_vertices(vertices + rng.normal(0, sigma, vertices.shape), name="measured")
+    return stone_from_vertices(vertices + rng.normal(0, sigma, vertices.shape), name="measured")
 
 
 def tilted() -> Stone:

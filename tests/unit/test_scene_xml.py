@@ -10,6 +10,7 @@ from observations import ROOT, STONE, run_python
 from physics_tolerances import ROUNDING, SINGLE
 
 import gemrender
+from gemrender.cuts import stone_from_vertices
 from gemrender.errors import InputError
 from gemrender.observation import MAP_CHANNELS, Model, View
 from gemrender.scene.xml import write_scene
@@ -92,7 +93,7 @@ def test_all_options_survive(tmp_path, variant_llvm_ad_mono):
 
 
 def test_names_may_be_of_any_script(tmp_path, variant_llvm_ad_mono):
-    stone = Stone.from_vertices(STONE.vertices, name="石 <№ 1> & --- co")
+    stone = stone_from_vertices(STONE.vertices, name="石 <№ 1> & --- co")
     path = write_scene(tmp_path / "ü 石", "石-1", stone, View.of(stone, 16), Model.of(stone))
     assert_renders_as(path, gemrender.observe(stone, engine="mitsuba", resolution=16))
 

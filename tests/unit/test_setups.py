@@ -9,12 +9,12 @@ import pytest
 
 import gemrender
 from gemrender.colorimetry import illuminant_names
+from gemrender.cuts import load_stone
 from gemrender.errors import InputError
 from gemrender.optics import load_material
 from gemrender.reading import LONGEST_LINE, MOST_BYTES
 from gemrender.scene.photoreal import Gem, photoreal_scene
 from gemrender.scene.setup import Camera, Ground, Light, Setup, Sky, bundled_setups, load_setup
-from gemrender.stone import load_stone
 
 BUNDLED = ["fire", "hemisphere", "loupe", "studio", "velvet", "white", "window"]
 SETUPS = Path(gemrender.__file__).parent.parent / "scenes" / "setups"
@@ -402,10 +402,10 @@ WHOLE = 'name = "A"\n[sky]\nradiance = 1\n'
 
 
 def scene_of(path, stones=1):
+    from gemrender.cuts import load_stone
     from gemrender.render.backend import ensure_variant
     from gemrender.render.photoreal import make_gems
     from gemrender.scene.photoreal import photoreal_scene
-    from gemrender.stone import load_stone
 
     ensure_variant("llvm_ad_spectral")
     gems = make_gems([load_stone("inoue-3")] * stones)

@@ -15,10 +15,11 @@ import pytest
 from tolerances import ROUNDING
 
 import gemrender
+from gemrender.cuts import RoundBrilliant, bundled_stones, load_stone, stone_from_vertices
+from gemrender.cuts.files import LONGEST_LINE, MOST_BYTES, save_vertices
+from gemrender.cuts.round_brilliant.topology import VERTEX_LABELS
 from gemrender.errors import InputError
-from gemrender.stone import RoundBrilliant, Stone, bundled_stones, load_stone
-from gemrender.stone.files import LONGEST_LINE, MOST_BYTES, save_vertices
-from gemrender.stone.topology import VERTEX_LABELS
+from gemrender.stone import Stone
 
 BUNDLED = ["fish-eye", "gia-excellent", "inoue-1", "inoue-2", "inoue-3", "nail-head", "tolkowsky"]
 SCENES = Path(gemrender.__file__).parent.parent / "scenes"
@@ -208,7 +209,7 @@ def test_material(line, material):
 
 
 def test_vertices_come_back_to_the_last_bit(rng):
-    stone = Stone.from_vertices(load_stone("inoue-2").vertices + rng.normal(scale=1e-3, size=(57, 3)))
+    stone = stone_from_vertices(load_stone("inoue-2").vertices + rng.normal(scale=1e-3, size=(57, 3)))
     lines = csv_lines(stone)
     assert lines[0] == "label,x,y,z"
     assert [line.split(",")[0] for line in lines[1:]] == list(VERTEX_LABELS)
@@ -574,11 +575,11 @@ def test_any_two_vertices_exchanged_are_refused():
         order = np.arange(57)
         order[[i, j]] = j, i
         with pytest.raises(InputError):
-            Stone.from_vertices(vertices[order])
+            stone_from_vertices(vertices[order])
 
 
 def test_vertices_measured_to_a_tenth_of_a_per_cent_are_a_stone(rng):
     """Of the diameter, standard deviation: such a stone's narrow facets are a little hollow."""
     for _ in range(10):
         jitter = rng.normal(scale=0.002, size=(57, 3))
-        Stone.from_vertices(load_stone("inoue-3").vertices + jitter)
+        stone_from_vertices(load_stone("inoue-3").vertices + jitter)

@@ -16,9 +16,8 @@ from tolerances import (
     WALL_BEND,
 )
 
-from gemrender.stone import RoundBrilliant, Stone, bundled_stones, load_stone, tessellate
-from gemrender.stone.mesh import ARC_SEGMENTS
-from gemrender.stone.topology import (
+from gemrender.cuts import RoundBrilliant, bundled_stones, load_stone, stone_from_vertices
+from gemrender.cuts.round_brilliant.topology import (
     FACET_KINDS,
     GIRDLE,
     GIRDLE_LOWER,
@@ -29,6 +28,8 @@ from gemrender.stone.topology import (
     TRIANGLES,
     UPPER_GIRDLE_FACETS,
 )
+from gemrender.stone import Stone, tessellate
+from gemrender.stone.mesh import ARC_SEGMENTS
 
 SAMPLE = {
     "table": 54.0,
@@ -48,7 +49,7 @@ def sample(**other: float) -> Stone:
 
 def measured(rng: np.random.Generator, scale: float) -> Stone:
     """The sample with every vertex moved at random, by so much in the mean."""
-    return Stone.from_vertices(sample().vertices + rng.normal(scale=scale, size=(N_VERTICES, 3)))
+    return stone_from_vertices(sample().vertices + rng.normal(scale=scale, size=(N_VERTICES, 3)))
 
 
 def edge_points(stone: Stone) -> tuple[np.ndarray, np.ndarray]:
@@ -84,7 +85,7 @@ def test_measured_stone_is_closed(rng, scale):
 
 def test_measured_stone_with_a_thin_girdle_is_closed(rng):
     vertices = sample(girdle_thickness=1.0).vertices + rng.normal(scale=5e-4, size=(N_VERTICES, 3))
-    assert_closed(tessellate(Stone.from_vertices(vertices)))
+    assert_closed(tessellate(stone_from_vertices(vertices)))
 
 
 @pytest.mark.parametrize("segments", [2, 8, 128])
@@ -271,7 +272,7 @@ def test_split_mesh_has_one_normal_a_vertex_and_the_same_faces(rng, scale):
 
 def test_vertices_of_a_symmetric_stone_make_that_stone():
     stone = sample()
-    again = Stone.from_vertices(stone.vertices)
+    again = stone_from_vertices(stone.vertices)
     assert (again.vertices == stone.vertices).all()
     assert (again.facet_normals == stone.facet_normals).all()
     assert again.girdle.is_round
@@ -280,7 +281,7 @@ def test_vertices_of_a_symmetric_stone_make_that_stone():
 
 def test_unit_of_length_and_origin_do_not_matter(rng):
     stone = measured(rng, 1e-3)
-    again = Stone.from_vertices(stone.vertices * 3.25 + (10.0, -4.0, 7.0))
+    again = stone_from_vertices(stone.vertices * 3.25 + (10.0, -4.0, 7.0))
     np.testing.assert_allclose(again.vertices, stone.vertices, rtol=0, atol=20 * ROUNDING)  # 10 away
 
 

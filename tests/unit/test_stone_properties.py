@@ -13,10 +13,11 @@ from hypothesis import strategies as st
 from solids import assert_closed, half_space_volume, mesh_volume
 from tolerances import MESH_VOLUME, PLANE, QUADRATURE_VOLUME, ROUNDING
 
+from gemrender.cuts import RoundBrilliant, bundled_stones, load_stone, stone_from_vertices
+from gemrender.cuts.files import save_vertices
+from gemrender.cuts.round_brilliant.proportions import ANGLE_RANGES, RANGES
 from gemrender.errors import InputError
-from gemrender.stone import RoundBrilliant, Stone, bundled_stones, load_stone, tessellate
-from gemrender.stone.files import save_vertices
-from gemrender.stone.proportions import ANGLE_RANGES, RANGES
+from gemrender.stone import Stone, tessellate
 
 # The same examples in every run; no deadline, since machines differ.
 REPEATABLE = {"derandomize": True, "deadline": None, "suppress_health_check": [HealthCheck.too_slow]}
@@ -229,7 +230,7 @@ VERTICES = [load_stone(name).vertices for name in bundled_stones()]
 def test_jittered_vertices(vertices, exponent, seed):
     jitter = np.random.default_rng(seed).normal(scale=10**exponent, size=vertices.shape)
     with one_line_or_stone():
-        assert_valid(Stone.from_vertices(vertices + jitter))
+        assert_valid(stone_from_vertices(vertices + jitter))
 
 
 @settings(max_examples=100, **REPEATABLE)
@@ -243,7 +244,7 @@ def test_one_vertex_anywhere(vertices, row, column, value):
     rows = vertices.tolist()
     rows[row][column] = value
     with one_line_or_stone():
-        assert_valid(Stone.from_vertices(rows))
+        assert_valid(stone_from_vertices(rows))
 
 
 @settings(max_examples=50, **REPEATABLE)
@@ -253,5 +254,5 @@ def test_one_vertex_anywhere(vertices, row, column, value):
 )
 def test_vertices_in_another_order_are_refused(vertices, order):
     with pytest.raises(InputError) as caught:
-        Stone.from_vertices(vertices[order])
+        stone_from_vertices(vertices[order])
     assert len(str(caught.value).splitlines()) == 1

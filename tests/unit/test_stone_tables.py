@@ -12,12 +12,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from gemrender.cuts import RoundBrilliant, load_stone, load_stones
+from gemrender.cuts.columns import ALIASES, known_column
+from gemrender.cuts.files import save_vertices
+from gemrender.cuts.stones import Stones
+from gemrender.cuts.table import StoneTable, open_table
 from gemrender.errors import InputError
-from gemrender.stone import RoundBrilliant, Stone, load_stone, load_stones
-from gemrender.stone.columns import ALIASES, known_column
-from gemrender.stone.files import save_vertices
-from gemrender.stone.stones import Stones
-from gemrender.stone.table import StoneTable, open_table
+from gemrender.stone import Stone
 
 ANGLES = ("table", "crown_angle", "pavilion_angle", "star", "lower_half", "girdle_thickness")
 ROW = (57, 34.0, 40.7, 50, 80, 2.5)

@@ -7,9 +7,9 @@ import json
 import numpy as np
 import pytest
 
+from gemrender.cuts import load_stone, stone_from_vertices
 from gemrender.errors import InputError
 from gemrender.report.symmetry import study_table, write_symmetry_figure
-from gemrender.stone import Stone, load_stone
 from gemrender.sweep import SymmetryStudy, study_symmetry
 from gemrender.sweep.symmetry import _entry, draw_stone
 from gemrender.sweep.workers import LostProcessError
@@ -82,7 +82,7 @@ def test_a_line_that_is_no_draws_is_drawn_again(tmp_path, caplog):
 SCRIPT = """
 import multiprocessing, os, pathlib, signal, sys
 from gemrender.errors import GemrenderError
-from gemrender.stone import load_stone
+from gemrender.cuts import load_stone
 from gemrender.sweep import study_symmetry
 
 what, journal, done = sys.argv[1], pathlib.Path(sys.argv[2]), 0
@@ -165,7 +165,7 @@ def test_values_out_of_range_are_refused(key, value):
 
 
 def test_a_measured_stone_is_refused_with_the_way_out():
-    moved = Stone.from_vertices(STONE.vertices + np.random.default_rng(1).normal(0, 1e-3, (57, 3)))
+    moved = stone_from_vertices(STONE.vertices + np.random.default_rng(1).normal(0, 1e-3, (57, 3)))
     with pytest.raises(InputError, match="use --jitter"):
         study_symmetry(moved, **SMALL)
 

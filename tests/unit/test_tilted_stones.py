@@ -7,11 +7,12 @@ import pytest
 
 import gemrender
 from gemrender.crosscheck import crosscheck
+from gemrender.cuts import RoundBrilliant, load_stone, stone_from_vertices
+from gemrender.cuts.round_brilliant.topology import FACET_POLYGONS, GIRDLE
 from gemrender.engines import observe, observe_alike
 from gemrender.errors import InputError
 from gemrender.score import score_observation
-from gemrender.stone import RoundBrilliant, Stone, load_stone, tessellate
-from gemrender.stone.topology import FACET_POLYGONS, GIRDLE
+from gemrender.stone import Stone, tessellate
 from tests.solids import assert_closed, mesh_volume
 from tests.tolerances import PLANE, ROUNDING, SAGITTA
 
@@ -111,7 +112,7 @@ def test_girdle_too_thin_for_the_tilt_is_refused():
 def test_measured_outline_is_refused():
     moved = load_stone("inoue-3").vertices + np.random.default_rng(1).normal(0, 1e-3, (57, 3))
     with pytest.raises(InputError, match="round outline only"):
-        Stone.from_vertices(moved).tilted(0.5, np.random.default_rng(1))
+        stone_from_vertices(moved).tilted(0.5, np.random.default_rng(1))
 
 
 def test_a_turned_stone_keeps_its_tilt():

@@ -10,10 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tolerances import ROUNDING
 
+from gemrender.cuts import RoundBrilliant, load_stone, stone_from_vertices, vary
+from gemrender.cuts.round_brilliant.proportions import RANGES, smallest_star
+from gemrender.cuts.variations import MOST_VARIATIONS, SETTINGS, parse_setting
 from gemrender.errors import InputError
-from gemrender.stone import RoundBrilliant, Stone, load_stone, vary
-from gemrender.stone.proportions import RANGES, smallest_star
-from gemrender.stone.variations import MOST_VARIATIONS, SETTINGS, parse_setting
+from gemrender.stone import Stone
 
 #: Proportions of order 100 [%] after a tangent and its inverse.
 THERE_AND_BACK = 100 * 10 * ROUNDING
@@ -151,7 +152,7 @@ def test_what_is_set_is_no_longer_assumed():
 
 def test_material_of_a_measured_stone():
     base = load_stone("inoue-3")
-    measured = Stone.from_vertices(base.vertices, name="measured")
+    measured = stone_from_vertices(base.vertices, name="measured")
     stones = vary(measured, ["index=1.5,2.4"])
     assert [stone.material for stone in stones] == [1.5, 2.4]
     assert (stones[0].vertices == base.vertices).all()

@@ -96,7 +96,7 @@ def draw(
     if what == "map":
         return _map(stone, observation, engine=engine, variant=variant, resolution=resolution,
                     fresnel=fresnel, rear=rear, intensity=intensity)  # fmt: skip
-    if stone.is_half_spaces and what != "shape":
+    if stone.labelled_vertices is None and what != "shape":
         raise InputError(
             "needs the 57 vertices, which a stone with tilted facets lacks", key="what", value=what
         )

@@ -8,11 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gemrender.report.dimensions import Dimension, dimensions
-from gemrender.report.displays.page import PAPER, Page, draw_lines, stone_extent
-from gemrender.report.displays.projection import CROWN, PAVILION, look_at, side
-from gemrender.stone import Stone
-from gemrender.stone.topology import (
+from gemrender.cuts.round_brilliant.topology import (
     CONTACT,
     CULET,
     GIRDLE_LOWER,
@@ -20,6 +16,10 @@ from gemrender.stone.topology import (
     STAR_TIP,
     TABLE_CORNER,
 )
+from gemrender.report.dimensions import Dimension, dimensions
+from gemrender.report.displays.page import PAPER, Page, draw_lines, stone_extent
+from gemrender.report.displays.projection import CROWN, PAVILION, look_at, side
+from gemrender.stone import Stone
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

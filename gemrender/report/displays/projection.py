@@ -21,9 +21,11 @@ __all__ = [
     "side",
 ]
 
-#: Straight pieces of each girdle arc in a drawing. Their sagitta, (pi / 16 / 16)^2 / 2 = 8e-5 girdle radii,
-#: is a fiftieth of a line's width.
-ARC_PIECES = 16
+#: Straight pieces of a round girdle in a drawing. Their sagitta, (pi / 256)^2 / 2 = 8e-5 girdle radii, is
+#: less than a line is wide.
+PIECES = 256
+#: Corners closer than this to a labelled vertex are that vertex [stone's unit].
+SAME_VERTEX = 1e-6
 #: A face whose normal's component to the eye is not above this is seen edge on or from behind: rounding.
 EDGE_ON = 1e-9
 
@@ -136,8 +138,16 @@ def look_at(stone: Stone, projection: Projection) -> StoneView:
         hidden=lines["hidden"],
         facets=tuple(facets.tolist()),
         polygons=tuple(polygons),
-        vertices=() if stone.is_half_spaces else tuple(seen[seen < len(stone.vertices)].tolist()),
+        vertices=_labelled(stone, mesh.vertices[seen]),
     )
+
+
+def _labelled(stone: Stone, seen: np.ndarray) -> tuple[int, ...]:
+    """Return the labelled vertices that are among the corners that are seen, (k, 3)."""
+    if stone.labelled_vertices is None:
+        return ()
+    apart = np.abs(stone.labelled_vertices[:, None] - seen).max(axis=-1).min(axis=1)
+    return tuple(np.flatnonzero(apart < SAME_VERTEX).tolist())
 
 
 def section(stone: Stone, azimuth_deg: float) -> np.ndarray:
@@ -166,7 +176,7 @@ def section(stone: Stone, azimuth_deg: float) -> np.ndarray:
 @lru_cache(maxsize=2)
 def _mesh(stone: Stone) -> StoneMesh:
     """Tessellate a stone once for all views of a display."""
-    return tessellate(stone, ARC_PIECES)
+    return tessellate(stone, PIECES)
 
 
 def _face_normals(mesh: StoneMesh) -> np.ndarray:

@@ -126,7 +126,7 @@ def rays_figure(
 def default_points(stone: Stone, model: Model) -> list[tuple[float, float]]:
     """Return points of a bright, a weak and a rear ray, as far as the stone has them."""
     number = np.arange(CANDIDATES) + 0.5
-    radius = 0.97 * stone.girdle.smallest_radius * np.sqrt(number / CANDIDATES)
+    radius = 0.97 * stone.half_width * np.sqrt(number / CANDIDATES)
     azimuth = number * np.pi * (3 - np.sqrt(5))  # the golden angle
     points = np.round(radius[:, None] * np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1), 2)
     paths = [
@@ -163,7 +163,7 @@ def check_points(stone: Stone, at: Sequence[Sequence[float]] | np.ndarray, model
         wrong = points[~np.isfinite(points).all(axis=1)][0]
         raise InputError("must be two finite numbers [girdle radius]", key="at", value=tuple(wrong.tolist()))
     # Far outside nothing is traced: there a ray's start would have no digits left.
-    near = np.abs(points).max(axis=1) <= 2 * stone.girdle.largest_radius
+    near = np.abs(points).max(axis=1) <= 2 * stone.half_width
     paths = trace_paths(stone, np.where(near[:, None], points, 10.0), model=model)
     for point, path in zip(points, paths, strict=True):
         if path.status == RayStatus.MISSED:

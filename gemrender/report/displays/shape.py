@@ -9,7 +9,6 @@ import numpy as np
 from gemrender.report.displays.page import PAPER, Page, draw_lines, stone_extent
 from gemrender.report.displays.projection import CROWN, OBLIQUE, PAVILION, Projection, look_at, side
 from gemrender.stone import Stone
-from gemrender.stone.topology import GIRDLE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -57,7 +56,8 @@ def shape_figure(stone: Stone) -> Figure:
 
 def _grey(stone: Stone, facet: int, projection: Projection) -> tuple[float, float, float]:
     """Return a bluish grey, the lighter the more a facet is turned to the light."""
-    normal = projection.eye if facet == GIRDLE else stone.facet_normals[facet]
+    has_plane = facet < len(stone.facet_normals)  # unlike a round girdle
+    normal = stone.facet_normals[facet] if has_plane else projection.eye
     page = np.array([normal @ projection.right, normal @ projection.up, normal @ projection.eye])
     share = float(np.clip(page @ LIGHT / np.linalg.norm(LIGHT), 0.0, 1.0))
     grey = DARKEST + (BRIGHTEST - DARKEST) * share

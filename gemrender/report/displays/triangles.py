@@ -6,11 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gemrender.report.displays.labels import Label, fits, place_labels
-from gemrender.report.displays.page import KIND_COLOURS, PAPER, draw_lines, three_views
-from gemrender.report.displays.projection import EDGE_ON, StoneView
-from gemrender.stone import Stone
-from gemrender.stone.topology import (
+from gemrender.cuts.round_brilliant.topology import (
     CONTACT,
     CULET,
     FACET_KINDS,
@@ -21,6 +17,10 @@ from gemrender.stone.topology import (
     TRIANGLE_FACET,
     TRIANGLES,
 )
+from gemrender.report.displays.labels import Label, fits, place_labels
+from gemrender.report.displays.page import KIND_COLOURS, PAPER, draw_lines, three_views
+from gemrender.report.displays.projection import EDGE_ON, StoneView
+from gemrender.stone import Stone
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,11 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gemrender.report.displays.labels import Label, place_labels
-from gemrender.report.displays.page import PAPER, draw_lines, three_views
-from gemrender.report.displays.projection import CROWN, PAVILION, StoneView
-from gemrender.stone import Stone
-from gemrender.stone.topology import (
+from gemrender.cuts.round_brilliant.topology import (
     CONTACT,
     CULET,
     GIRDLE_LOWER,
@@ -19,6 +15,10 @@ from gemrender.stone.topology import (
     STAR_TIP,
     TABLE_CORNER,
 )
+from gemrender.report.displays.labels import Label, place_labels
+from gemrender.report.displays.page import PAPER, draw_lines, three_views
+from gemrender.report.displays.projection import CROWN, PAVILION, StoneView
+from gemrender.stone import Stone
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -13,6 +13,12 @@ from typing import Any
 
 import numpy as np
 
+from gemrender.cuts.laboratory import DEFAULTS, REPORT_KEYS, missing_parts, read_report
+from gemrender.cuts.round_brilliant import stone_from_vertices
+from gemrender.cuts.round_brilliant.proportions import ANGLE_RANGES, RANGES, RoundBrilliant, checked_values
+from gemrender.cuts.round_brilliant.topology import N_VERTICES, VERTEX_LABELS
+from gemrender.cuts.stones import LONGEST_NAME, OneStone, Stones
+from gemrender.cuts.table import is_table, open_table
 from gemrender.errors import InputError
 from gemrender.mistakes import Mistakes
 from gemrender.reading import LONGEST_LINE as LONGEST_LINE
@@ -29,12 +35,7 @@ from gemrender.reading import (
     text_line,
     told_at,
 )
-from gemrender.stone.laboratory import DEFAULTS, REPORT_KEYS, missing_parts, read_report
-from gemrender.stone.proportions import ANGLE_RANGES, RANGES, RoundBrilliant, checked_values
-from gemrender.stone.solid import Stone
-from gemrender.stone.stones import LONGEST_NAME, OneStone, Stones
-from gemrender.stone.table import is_table, open_table
-from gemrender.stone.topology import N_VERTICES, VERTEX_LABELS
+from gemrender.stone import Stone
 from gemrender.writing import write_whole
 
 __all__ = ["bundled_stones", "load_stone", "load_stones", "save_vertices"]
@@ -301,7 +302,7 @@ def _measured(
     missing = _no_such_file(path) if toml is None else f"no such file; named by vertices in {toml}"
     with told_at(source):
         vertices = _vertices(read_lines(path, kind="stone", missing=missing))
-        return Stone.from_vertices(vertices, name=name, material=material, source=str(toml or path))
+        return stone_from_vertices(vertices, name=name, material=material, source=str(toml or path))
 
 
 def _vertices(lines: list[str]) -> np.ndarray:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gemrender.errors import InputError
-from gemrender.stone.topology import (
+from gemrender.cuts.round_brilliant.topology import (
     CONTACT,
     CULET,
     FACET_NAMES,
@@ -19,6 +18,7 @@ from gemrender.stone.topology import (
     TRIANGLES,
     VERTEX_LABELS,
 )
+from gemrender.errors import InputError
 
 __all__ = ["check_vertices"]
 

@@ -17,14 +17,14 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
+from gemrender.cuts.columns import Columns, match_columns
+from gemrender.cuts.delimited import Dialect, open_rows, sniff
+from gemrender.cuts.laboratory import Assumed, Report, missing_parts, read_report
+from gemrender.cuts.round_brilliant.proportions import RoundBrilliant
+from gemrender.cuts.stones import LONGEST_NAME, Stones
 from gemrender.errors import InputError
 from gemrender.reading import stem, told_at
-from gemrender.stone.columns import Columns, match_columns
-from gemrender.stone.delimited import Dialect, open_rows, sniff
-from gemrender.stone.laboratory import Assumed, Report, missing_parts, read_report
-from gemrender.stone.proportions import RoundBrilliant
-from gemrender.stone.solid import Stone
-from gemrender.stone.stones import LONGEST_NAME, Stones
+from gemrender.stone import Stone
 
 __all__ = ["MOST_ROWS", "StoneTable", "is_table", "open_table"]
 

@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gemrender.errors import InputError
-from gemrender.mistakes import Mistakes
-from gemrender.stone.topology import (
+from gemrender.cuts.round_brilliant.topology import (
     CONTACT,
     CULET,
     GIRDLE_LOWER,
@@ -20,6 +18,11 @@ from gemrender.stone.topology import (
     STAR_TIP,
     TABLE_CORNER,
 )
+from gemrender.errors import InputError
+from gemrender.mistakes import Mistakes
+
+if TYPE_CHECKING:
+    from gemrender.stone import Stone
 
 __all__ = [
     "ANGLE_RANGES",
@@ -153,6 +156,12 @@ class RoundBrilliant:
     def pavilion_angle_deg(self) -> float:
         """Angle between a pavilion main and the girdle plane [deg]."""
         return math.degrees(math.atan2(2 * self.pavilion_depth, 100.0))
+
+    def stone(self, **facts: Any) -> Stone:
+        """Make the perfectly symmetric stone; `facts` are fields of `Stone` such as its name."""
+        from gemrender.cuts.round_brilliant.stones import perfect_stone
+
+        return perfect_stone(self.vertices(), cut=self, **facts)
 
     def vertices(self) -> np.ndarray:
         """Return the 57 vertices in the paper's frame (`docs/model.md`, section 2).

@@ -6,7 +6,7 @@ from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from typing import Generic, TypeVar, overload
 
-from gemrender.stone.solid import Stone
+from gemrender.stone import Stone
 
 __all__ = ["LONGEST_NAME", "Lazy", "OneStone", "Stones"]
 

@@ -10,18 +10,18 @@ from dataclasses import asdict, replace
 from decimal import Decimal, InvalidOperation
 from typing import Any
 
-from gemrender.errors import InputError
-from gemrender.reading import did_you_mean
-from gemrender.stone.files import load_stone
-from gemrender.stone.proportions import (
+from gemrender.cuts.files import load_stone
+from gemrender.cuts.round_brilliant.proportions import (
     RANGES,
     RoundBrilliant,
     crown_height_from_angle,
     number_within,
     pavilion_depth_from_angle,
 )
-from gemrender.stone.solid import Stone
-from gemrender.stone.stones import Lazy, Stones
+from gemrender.cuts.stones import Lazy, Stones
+from gemrender.errors import InputError
+from gemrender.reading import did_you_mean
+from gemrender.stone import Stone
 
 __all__ = ["MOST_VARIATIONS", "SETTINGS", "Variations", "parse_setting", "vary"]
 

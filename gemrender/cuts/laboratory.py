@@ -11,14 +11,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from gemrender.errors import InputError
-from gemrender.stone.girdle_words import StatedGirdle, check_culet, read_girdle
-from gemrender.stone.proportions import (
+from gemrender.cuts.girdle_words import StatedGirdle, check_culet, read_girdle
+from gemrender.cuts.round_brilliant.proportions import (
     RoundBrilliant,
     crown_height_from_angle,
     number_within,
     pavilion_depth_from_angle,
 )
+from gemrender.errors import InputError
 
 __all__ = ["DEFAULTS", "REPORT_KEYS", "Assumed", "Report", "missing_parts", "read_report"]
 

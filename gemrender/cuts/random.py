@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gemrender.stone.proportions import RoundBrilliant
+from gemrender.cuts.round_brilliant.proportions import RoundBrilliant
 
 __all__ = ["SPREAD", "random_brilliant"]
 

@@ -1,0 +1,263 @@
+"""The stone: a solid with named facets, a material, and where it came from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, Protocol, TypeVar
+
+import numpy as np
+
+from gemrender.errors import InputError
+from gemrender.stone.facets import Facet
+from gemrender.stone.frame import lower_edge
+from gemrender.stone.planes import mean_planes
+from gemrender.stone.solid import ConvexSolid, MeshSolid
+from gemrender.stone.symmetry import NONE, Symmetry, find_symmetry
+
+__all__ = ["Cut", "Stone"]
+
+#: Heights of a girdle's lower edge that differ by no more are level [stone's unit]: rounding in files.
+_LEVEL_EDGE = 1e-6
+
+
+class Cut(Protocol):
+    """How a person describes a stone: a family with its parameters, or a faceter's design."""
+
+    def stone(self, **facts: Any) -> Stone:
+        """Make the stone; `facts` are fields of `Stone` such as its name."""
+        ...
+
+
+_T = TypeVar("_T", bound="Stone")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Stone:
+    """A solid with named facets.
+
+    Lengths are in the stone's own unit, in its frame: z along the axis, table up. Round brilliants: the
+    girdle radius, with z = 0 at the girdle's lower edge (`docs/model.md`). Others: half the longer side of
+    the outline's bounding box, centred on it, with z = 0 at the lowest point of the girdle's lower edge.
+
+    Parameters
+    ----------
+    solid : ConvexSolid or MeshSolid
+        Its shape.
+    facets : tuple of Facet
+        All facets by their numbers; a round girdle is the last.
+    name : str
+        What to call the stone in tables and files.
+    cut : Cut or None
+        What it was made from, such as `RoundBrilliant`; None for a measured stone or a mesh.
+    material : str, float or None
+        Name of a gem material or its refractive index, as the stone file says; None is diamond.
+    source : str or None
+        Where the stone came from, for error messages.
+    description : str or None
+        How the cut was given: "proportions", "angles" or "report", as the sections of stone files are called.
+    assumed : tuple of str
+        What was assumed of the stone or inferred since its description left it out, such as
+        "star 50 (not in the report)".
+    notes : tuple of str
+        What was mended when it was read.
+    labelled_vertices : (57, 3) float64 or None
+        Of a round brilliant its vertices in their order.
+    known_symmetry : Symmetry or None
+        Its symmetry, where the cut knows it.
+
+    Raises
+    ------
+    InputError
+        Facets and solid do not fit.
+    """
+
+    solid: ConvexSolid | MeshSolid = field(repr=False)
+    facets: tuple[Facet, ...] = field(repr=False)
+    name: str = "stone"
+    cut: Cut | None = None
+    material: str | float | None = None
+    source: str | None = None
+    description: str | None = None
+    assumed: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    labelled_vertices: np.ndarray | None = field(default=None, repr=False)
+    known_symmetry: Symmetry | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        if len(self.facets) != self.solid.n_facets:
+            raise InputError(f"has {self.solid.n_facets} facets, and {len(self.facets)} names for them")
+        if self.labelled_vertices is not None:
+            vertices = np.array(self.labelled_vertices, dtype=np.float64)
+            vertices.setflags(write=False)
+            object.__setattr__(self, "labelled_vertices", vertices)
+
+    @classmethod
+    def from_proportions(cls, proportions: Cut, **facts: Any) -> Stone:
+        """Make the stone of proportions such as `RoundBrilliant`; `facts` are fields such as its name."""
+        return proportions.stone(**facts)
+
+    # ---- Facets ----
+
+    @property
+    def facet_names(self) -> tuple[str, ...]:
+        """Name of each facet."""
+        return tuple(facet.name for facet in self.facets)
+
+    @property
+    def facet_kinds(self) -> tuple[str, ...]:
+        """Kind of each facet."""
+        return tuple(facet.kind for facet in self.facets)
+
+    @property
+    def facet_sides(self) -> tuple[str, ...]:
+        """Side of each facet: "crown", "girdle" or "pavilion"."""
+        return tuple(facet.side for facet in self.facets)
+
+    @cached_property
+    def _mean_planes(self) -> np.ndarray:
+        """Plane of each facet that has one, (m, 4); the mean over its area where it is not flat."""
+        solid = self.solid
+        if isinstance(solid, MeshSolid):
+            return mean_planes(solid.vertices, solid.triangles, solid.facet)
+        count = len(self.facets) - solid.is_round
+        if len(solid.planes) == count:
+            return solid.planes
+        crosses = solid.polyhedron.crosses[: len(solid.planes)]
+        total = np.column_stack([np.bincount(solid.facet, crosses[:, k], count) for k in range(3)])
+        length = np.linalg.norm(total, axis=1)
+        if length[-1] < 1e-6 * length.max():  # a wall all round
+            count, total, length = count - 1, total[:-1], length[:-1]
+        normals = total / length[:, None]
+        offsets = np.bincount(solid.facet, solid.planes[:, 3] * solid.polyhedron.areas[: len(solid.planes)])
+        areas = np.bincount(solid.facet, solid.polyhedron.areas[: len(solid.planes)])
+        return np.column_stack([normals, (offsets / areas)[:count]])
+
+    @property
+    def facet_normals(self) -> np.ndarray:
+        """(m, 3) float64: outward unit normals of plane facets; a girdle that is not plane comes after."""
+        return self._mean_planes[:, :3]
+
+    @property
+    def facet_offsets(self) -> np.ndarray:
+        """(m,) float64: their offsets: a point p of the facet has normal . p = offset."""
+        return self._mean_planes[:, 3]
+
+    # ---- Shape ----
+
+    @property
+    def is_convex(self) -> bool:
+        """Whether it is convex: half-spaces, which the exact engine traces."""
+        return isinstance(self.solid, ConvexSolid)
+
+    @property
+    def is_round(self) -> bool:
+        """Whether its girdle is a cylinder."""
+        return self.solid.is_round
+
+    @property
+    def vertices(self) -> np.ndarray:
+        """(v, 3) float64: the labelled vertices of a round brilliant, else all corners."""
+        return self.solid.vertices if self.labelled_vertices is None else self.labelled_vertices
+
+    @property
+    def proportions(self) -> Any:
+        """The proportions that it was made from (`RoundBrilliant`), or None."""
+        return self.cut if hasattr(self.cut, "girdle_thickness") else None
+
+    @cached_property
+    def half_width(self) -> float:
+        """Largest |x| or |y|: half the side of the square that holds the view from above."""
+        if self.is_round:
+            return 1.0
+        return float(np.abs(self.solid.vertices[:, :2]).max())
+
+    @cached_property
+    def reach(self) -> float:
+        """Radius of a sphere about the origin that holds the stone."""
+        return float(np.linalg.norm(self.vertices, axis=1).max())
+
+    @cached_property
+    def rear_rule(self) -> str:
+        """What tells rear light: "position" (z <= 0) where the girdle's lower edge is level, else "facet"."""
+        if self.labelled_vertices is not None or isinstance(self.solid, MeshSolid) or self.is_round:
+            return "position"
+        return "position" if np.ptp(lower_edge(self.solid.polyhedron)) <= _LEVEL_EDGE else "facet"
+
+    @cached_property
+    def symmetry(self) -> Symmetry:
+        """Rotations and mirror planes; of solids that are not convex none is looked for."""
+        if self.known_symmetry is not None:
+            return self.known_symmetry
+        return find_symmetry(self.solid) if isinstance(self.solid, ConvexSolid) else NONE
+
+    # ---- Others like it ----
+
+    def rotated(self, angle_deg: float) -> Stone:
+        """Return the stone turned about the z axis, anticlockwise seen from the table [deg]."""
+        cos, sin = np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))
+        turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+        labelled = self.labelled_vertices
+        return replace(
+            self,
+            solid=self.solid.transformed(turn),
+            cut=None,
+            labelled_vertices=None if labelled is None else labelled @ turn.T,
+            known_symmetry=None,
+        )
+
+    def tilted(self, deviation_deg: float, rng: np.random.Generator, *, name: str | None = None) -> Stone:
+        """Return the stone with every plane facet tilted at random about its middle; level ones stay.
+
+        The facet's normal is turned by two angles, about two perpendicular axes in the facet, each normally
+        distributed.
+
+        Parameters
+        ----------
+        deviation_deg : float
+            Standard deviation of either angle [deg].
+        rng : numpy.random.Generator
+            Source of the angles.
+
+        Raises
+        ------
+        InputError
+            The stone is not convex, or nothing is left of it.
+        """
+        solid = self.solid
+        if not isinstance(solid, ConvexSolid):
+            raise InputError("facets can be tilted of convex stones only", source=self.source or self.name)
+        normals = self.facet_normals
+        u = np.cross(normals, np.eye(3)[np.abs(normals).argmin(axis=1)])
+        u /= np.linalg.norm(u, axis=1, keepdims=True)
+        v = np.cross(normals, u)
+        a, b = np.tan(np.radians(rng.normal(0.0, deviation_deg, (2, len(normals), 1))))
+        level = np.array(self.facet_sides[: len(normals)]) == "girdle"
+        turned = np.where(level[:, None], normals, normals + a * u + b * v)
+        turned /= np.linalg.norm(turned, axis=1, keepdims=True)
+        kept = solid.facet >= len(normals)  # the planes of a girdle that is not one plane
+        planes = np.column_stack([turned, np.einsum("ij,ij->i", turned, self._middles)])
+        return replace(
+            self,
+            solid=ConvexSolid(
+                planes=np.concatenate([planes, solid.planes[kept]]),
+                facet=np.concatenate([np.arange(len(normals)), solid.facet[kept]]),
+                is_round=solid.is_round,
+            ),
+            name=name or self.name,
+            cut=None,
+            labelled_vertices=None,
+            known_symmetry=NONE,
+        )
+
+    @cached_property
+    def _middles(self) -> np.ndarray:
+        """The mean of the corners of each plane facet, (m, 3)."""
+        solid = self.solid
+        assert isinstance(solid, ConvexSolid)
+        body = solid.polyhedron
+        facet = np.repeat(solid.facet, np.diff(body.starts)[: len(solid.facet)])
+        corners = body.vertices[body.corners[: len(facet)]]
+        count = np.bincount(facet)
+        middles = np.column_stack([np.bincount(facet, corners[:, k]) for k in range(3)]) / count[:, None]
+        return middles[: len(self.facet_normals)]
