@@ -28,7 +28,7 @@ from gemrender.writing import write_whole
 __all__ = ["parse_asc", "read_asc", "write_asc"]
 
 #: A record's letter that stands at its first number, as in "g96 0.0".
-_GLUED = re.compile(r"([gyIa])(?=[-+\u2212.\d])")
+_GLUED = re.compile(r"^([gyIa])(?=[-+\u2212.\d])")
 #: Largest number of teeth; the largest index wheels have 360.
 MOST_TEETH = 100_000
 #: Largest index [teeth]: any number that a person may have meant.

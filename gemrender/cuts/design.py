@@ -199,7 +199,8 @@ class Design:
         Parameters
         ----------
         with_headers : bool
-            Whether the stone's notes have the headers and footnotes. They hold people's names and addresses.
+            Whether the stone keeps headers and footnotes, in its notes and its cut. They hold people's names and
+            addresses.
         **facts
             Fields of `Stone`, such as its name; a material takes the place of the design's index.
 
@@ -233,7 +234,7 @@ class Design:
             facets=tuple(
                 Facet(names[number], kinds[number], side_of(planes[number, 2])) for number in used[left]
             ),
-            cut=self,
+            cut=self if with_headers else replace(self, headers=(), footnotes=()),
             assumed=tuple(assumed),
             notes=tuple(notes),
             **facts,

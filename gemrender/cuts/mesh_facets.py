@@ -12,16 +12,13 @@ from gemrender.cuts.surface import Surface
 from gemrender.errors import InputError
 from gemrender.stone.facets import CROWN, GIRDLE, Facet, side_of
 
-__all__ = ["FLAT", "UP", "MeshFacets", "facets_of", "find_up", "levelled", "named_facets", "turned_up"]
+__all__ = ["UP", "MeshFacets", "facets_of", "find_up", "levelled", "named_facets", "turned_up"]
 
 #: Directions that can be up.
 UP = {
     "x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0),
     "-x": (-1.0, 0.0, 0.0), "-y": (0.0, -1.0, 0.0), "-z": (0.0, 0.0, -1.0),
 }  # fmt: skip
-#: Vertices this near a facet's plane lie on it [half the size of the stone]: six digits, and planes through them.
-#: Neighbours on a round girdle of 1024 facets are 3.8e-5 off.
-FLAT = 1e-5
 #: Triangles that are smaller than this are slivers [share of the largest of their facet].
 SLIVER = 1e-3
 #: Largest z of a normal that is made level, or slant of one that is made upright, however small the facet; and what
@@ -72,7 +69,7 @@ def facets_of(surface: Surface) -> MeshFacets:
     crosses = _crosses(vertices[triangles])
     doubled = np.linalg.norm(crosses, axis=1)
     grown = _grown_convex if surface.is_convex else _grown
-    facet = grown(vertices, triangles, crosses, doubled, FLAT * surface.size)
+    facet = grown(vertices, triangles, crosses, doubled, surface.near)
     # The planes are those of the file's own corners. Slivers, which may belong to a neighbour, have no say.
     crosses = _crosses(surface.corners)
     doubled = np.linalg.norm(crosses, axis=1)
@@ -127,7 +124,7 @@ def turned_up(up: np.ndarray) -> np.ndarray:
     return np.array([x, np.cross(up, x), up])
 
 
-def named_facets(planes: np.ndarray, areas: np.ndarray, size: float) -> tuple[np.ndarray, tuple[Facet, ...]]:
+def named_facets(planes: np.ndarray, areas: np.ndarray) -> tuple[np.ndarray, tuple[Facet, ...]]:
     """Name the facets of a mesh by tiers: C (crown), G (girdle) and P (pavilion), T a table, K a culet facet.
 
     Facets of one tier have one angle and one distance from the axis's middle, up to what digits leave. The
@@ -139,8 +136,6 @@ def named_facets(planes: np.ndarray, areas: np.ndarray, size: float) -> tuple[np
         In the stone's frame.
     areas : (n,) float64
         Areas.
-    size : float
-        Half the longest side of the stone's box.
 
     Returns
     -------
@@ -150,7 +145,7 @@ def named_facets(planes: np.ndarray, areas: np.ndarray, size: float) -> tuple[np
     sides = [side_of(z) for z in planes[:, 2].tolist()]
     angles = np.degrees(np.arctan2(np.hypot(planes[:, 0], planes[:, 1]), np.abs(planes[:, 2])))
     azimuths = np.degrees(np.arctan2(planes[:, 0], planes[:, 1])) % 360.0
-    near_angle, near_offset = 0.01, 1e-4 * size
+    near_angle, near_offset = 0.01, 1e-4
     tiers: list[list[int]] = []
     for number in sorted(range(len(planes)), key=lambda k: (sides[k], -round(angles[k], 2), -areas[k])):
         for tier in reversed(tiers):
