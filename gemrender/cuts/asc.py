@@ -7,8 +7,8 @@
     header    = "H" text                    footnote = "F" text
     tier      = "a" angle distance { index [ "n" name ] } [ "G" instruction to the end of the line ]
 
-Lines that begin with an index, "n" or "G" go on with the tier above. Angles are in degrees from the girdle plane,
-negative on the pavilion; a culet facet is at 0 with a negative distance, or at "-0".
+Lines that begin with an index, "n" or "G" go on with the tier above. Angles are in degrees from the girdle
+plane, negative on the pavilion; a culet facet is at 0 with a negative distance, or at "-0".
 """
 
 from __future__ import annotations
@@ -181,7 +181,9 @@ class _Reader:
             self.headers.append(rest.strip())
         elif first == "F":
             self.footnotes.append(rest.strip())
-        elif self.is_open and (first in ("n", "G") or number_of(first) is not None or self.tiers[-1].wants_name):
+        elif self.is_open and (
+            first in ("n", "G") or number_of(first) is not None or self.tiers[-1].wants_name
+        ):
             self._items(key, line.split())
             return
         elif self.gear is None and not self.tiers and _is_gear(line.split()):
@@ -258,7 +260,7 @@ class _Reader:
             self.index = index
 
     def _symmetry(self, tokens: list[str]) -> None:
-        """What the dialogue said when the file was saved: kept to be written again, used for nothing."""
+        """Keep what the dialogue said when the file was saved: to be written again, used for nothing else."""
         folds = number_of(tokens[0]) if tokens else None
         if folds is not None and 1 <= folds <= MOST_TEETH:
             self.symmetry = int(folds), tokens[1:2] == ["y"]

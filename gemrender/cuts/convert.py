@@ -83,9 +83,9 @@ def save_stone(stone: Stone, path: str | os.PathLike[str], *, kind: str | None =
 def design_of(stone: Stone) -> tuple[Design, tuple[str, ...]]:
     """Return a stone as a faceter's design, and what it says otherwise than the stone.
 
-    A stone that was made from a design has that design, its angles and distances as they were. Others get tiers by
-    the kinds of their facets, on the commonest index wheel on which these lie at whole teeth. Facets that are not
-    flat become several, a round girdle level facets that touch it.
+    A stone that was made from a design has that design, its angles and distances as they were. Others get
+    tiers by the kinds of their facets, on the commonest index wheel on which these lie at whole teeth. Facets
+    that are not flat become several, a round girdle level facets that touch it.
 
     Parameters
     ----------
@@ -104,7 +104,8 @@ def design_of(stone: Stone) -> tuple[Design, tuple[str, ...]]:
     if not isinstance(solid, ConvexSolid):
         raise InputError("is not convex, and so no design; .stl, .obj, .ply and .glb can hold it")
     planes, facet = solid.planes, solid.facet
-    gear, notes = gear_of(planes), ()
+    gear = gear_of(planes)
+    notes: tuple[str, ...] = ()
     if stone.is_round:
         pieces = gear * -(-FEWEST_PIECES // gear)
         girdle = girdle_planes(solid, pieces)

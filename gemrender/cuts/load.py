@@ -97,7 +97,9 @@ def load_design_file(
     }
     if kind in DESIGN_KINDS:
         if up is not None:
-            raise InputError("is of meshes only; a design has its table up", source=str(file), key="up", value=up)
+            raise InputError(
+                "is of meshes only; a design has its table up", source=str(file), key="up", value=up
+            )
         design = _READERS[kind](file)
         with told_at(str(file)):
             return design.stone(with_headers=with_headers, **facts)

@@ -21,8 +21,8 @@ UP = {
 }  # fmt: skip
 #: Triangles that are smaller than this are slivers [share of the largest of their facet].
 SLIVER = 1e-3
-#: Largest z of a normal that is made level, or slant of one that is made upright, however small the facet; and what
-#: rounding leaves of numbers of 64 bits.
+#: Largest z of a normal that is made level, or slant of one that is made upright, however small the facet;
+#: and what rounding leaves of numbers of 64 bits.
 MOST_LEVELLED, LAST_BITS = 0.05, 1e-12
 #: Facets that may be the table, of the largest.
 MOST_TABLES = 12
@@ -82,8 +82,8 @@ def facets_of(surface: Surface) -> MeshFacets:
     normals = total / np.where(length > 0, length, 1.0)[:, None]
     weights = np.bincount(facet, weight, count)
     centres = surface.corners.mean(axis=1)
-    middles = np.column_stack([np.bincount(facet, weight * centres[:, k], count) for k in range(3)])
-    middles /= np.where(weights > 0, weights, 1.0)[:, None]
+    moments = np.column_stack([np.bincount(facet, weight * centres[:, k], count) for k in range(3)])
+    middles = moments / np.where(weights > 0, weights, 1.0)[:, None]
     reach = np.zeros(count)
     np.maximum.at(reach, facet, np.linalg.norm(surface.corners - middles[facet][:, None], axis=2).max(axis=1))
     planes = np.column_stack([normals, np.einsum("ij,ij->i", normals, middles)])
@@ -107,7 +107,9 @@ def find_up(surface: Surface, facets: MeshFacets) -> np.ndarray:
     for axis in ("z", "y", "x", "-z", "-y", "-x"):
         candidates.append(np.array(UP[axis]))
         sizes.append(0.0)
-    preference = [-sum((abs(u - np.array(UP[a])) < 1e-9).all() * w for a, w in (("z", 2), ("y", 1))) for u in candidates]
+    preference = [
+        -sum((abs(u - np.array(UP[a])) < 1e-9).all() * w for a, w in (("z", 2), ("y", 1))) for u in candidates
+    ]
     best = sorted(range(len(candidates)), key=lambda k: (-round(sizes[k], 6), preference[k], k))
     points = surface.vertices[np.unique(surface.triangles)]
     for k in best:
@@ -128,7 +130,8 @@ def named_facets(planes: np.ndarray, areas: np.ndarray) -> tuple[np.ndarray, tup
     """Name the facets of a mesh by tiers: C (crown), G (girdle) and P (pavilion), T a table, K a culet facet.
 
     Facets of one tier have one angle and one distance from the axis's middle, up to what digits leave. The
-    table comes first, then the crown's tiers from the girdle up, the girdle, the pavilion from the girdle down.
+    table comes first, then the crown's tiers from the girdle up, the girdle, the pavilion from the girdle
+    down.
 
     Parameters
     ----------
@@ -179,7 +182,7 @@ def named_facets(planes: np.ndarray, areas: np.ndarray) -> tuple[np.ndarray, tup
 
 
 def levelled(planes: np.ndarray, middles: np.ndarray, reach: np.ndarray, near: float) -> np.ndarray:
-    """Return planes (n, 4) of which those that are upright or level, but for `near` at their ends, are exactly so.
+    """Return planes (n, 4), of which those upright or level but for `near` at their ends are exactly so.
 
     Parameters
     ----------
@@ -237,9 +240,9 @@ def _grown(
     pair = np.column_stack([np.minimum(start, end), np.maximum(start, end)])
     edge = np.unique(pair, axis=0, return_inverse=True)[1].reshape(-1)
     inner = np.argsort(edge, kind="stable").reshape(-1, 2)  # closed: two half edges an edge
-    across = np.empty(len(edge), dtype=np.int64)
-    across[inner[:, 0]], across[inner[:, 1]] = inner[:, 1] // 3, inner[:, 0] // 3
-    across = across.reshape(-1, 3)
+    other = np.empty(len(edge), dtype=np.int64)
+    other[inner[:, 0]], other[inner[:, 1]] = inner[:, 1] // 3, inner[:, 0] // 3
+    across = other.reshape(-1, 3)
     facet = np.full(len(triangles), -1)
     count = 0
     for seed in np.argsort(-doubled, kind="stable").tolist():

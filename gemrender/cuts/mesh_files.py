@@ -54,8 +54,8 @@ def read_mesh(
     kind : {"stl", "obj", "ply", "glb"}, optional
         What it is; by default what its name ends in.
     up : {"x", "y", "z", "-x", "-y", "-z"}, optional
-        Direction of the stone's axis, table up. Without it the largest facet is taken for the table, unless the
-        file was written by gemrender.
+        Direction of the stone's axis, table up. Without it the largest facet is taken for the table, unless
+        the file was written by gemrender.
     **facts
         Fields of `Stone`, such as its name.
 
@@ -98,7 +98,10 @@ def parse_mesh(data: bytes, kind: str) -> tuple[np.ndarray, np.ndarray]:
             trimesh = _require_trimesh()
             loaded = trimesh.load_scene(io.BytesIO(data), file_type=kind, process=False)
             mesh = loaded.to_mesh()
-            vertices, triangles = np.array(mesh.vertices, dtype=np.float64), np.array(mesh.faces, dtype=np.int64)
+            vertices, triangles = (
+                np.array(mesh.vertices, dtype=np.float64),
+                np.array(mesh.faces, dtype=np.int64),
+            )
     except BackendError:
         raise
     except MemoryError as error:
@@ -113,8 +116,8 @@ def parse_mesh(data: bytes, kind: str) -> tuple[np.ndarray, np.ndarray]:
 def write_mesh(stone: Stone, path: str | os.PathLike[str], *, kind: str | None = None) -> None:
     """Write a stone as a mesh file; a round girdle becomes `solid.ROUND_PIECES` level facets.
 
-    .obj and .ply hold the facets as polygons; .obj, .ply and .stl are text with all digits; .glb has numbers of
-    32 bits, and y up. Facets of .obj files keep their names and order.
+    .obj and .ply hold the facets as polygons; .obj, .ply and .stl are text with all digits; .glb has numbers
+    of 32 bits, and y up. Facets of .obj files keep their names and order.
 
     Parameters
     ----------

@@ -76,16 +76,12 @@ def stone_of_triangles(
     if isinstance(solid, ConvexSolid):
         solid = ConvexSolid(planes=solid.planes[order], facet=np.arange(len(order)))
     else:
-        solid = MeshSolid(
-            vertices=solid.vertices, triangles=solid.triangles, facet=number[solid.facet]
-        )
+        solid = MeshSolid(vertices=solid.vertices, triangles=solid.triangles, facet=number[solid.facet])
         notes.append("it is not convex")
     assumed = tuple(facts.pop("assumed", ()))
     if facts.get("material") is None:
         assumed = (*assumed, "diamond (no material in the file)")
-    return Stone(
-        solid=solid, facets=named, notes=(*facts.pop("notes", ()), *notes), assumed=assumed, **facts
-    )
+    return Stone(solid=solid, facets=named, notes=(*facts.pop("notes", ()), *notes), assumed=assumed, **facts)
 
 
 def check_up(up: object, key: str = "up") -> None:
@@ -122,9 +118,7 @@ def _hollow(
     edge = pavilion & above
     origin = np.array([*(0.5 * (low + high))[:2], vertices[edge if edge.any() else above, 2].min()])
     unit = 0.5 * float((high - low)[:2].max())
-    solid = MeshSolid(
-        vertices=(vertices - origin) / unit, triangles=surface.triangles, facet=facets.facet
-    )
+    solid = MeshSolid(vertices=(vertices - origin) / unit, triangles=surface.triangles, facet=facets.facet)
     moved = planes[:, 3] - planes[:, :3] @ origin
     return solid, np.column_stack([planes[:, :3], moved / unit])
 

@@ -44,7 +44,7 @@ def girdle_planes(solid: ConvexSolid, pieces: int) -> np.ndarray:
 
 
 def _lowest(planes: np.ndarray) -> float | None:
-    """Return the azimuth of the lowest point of a round girdle's lower edge [deg], None without a pavilion."""
+    """Return the azimuth [deg] of the lowest point of a round girdle's lower edge; None: no pavilion."""
     pavilion = planes[planes[:, 2] < -LEVEL]
     if not len(pavilion):
         return None

@@ -64,9 +64,7 @@ def read_scan(path: str | os.PathLike[str], *, up: str | None = None, **facts: A
 
 def _fans(faces: list[tuple[int, ...]]) -> np.ndarray:
     """Cut polygons into triangles (f, 3)."""
-    triangles = [
-        (face[0], face[k], face[k + 1]) for face in faces for k in range(1, len(face) - 1)
-    ]
+    triangles = [(face[0], face[k], face[k + 1]) for face in faces for k in range(1, len(face) - 1)]
     return np.array(triangles, dtype=np.int64).reshape(-1, 3)
 
 

@@ -1,7 +1,7 @@
 """Triangles as files have them, made a closed surface that faces outwards; what cannot be mended is refused.
 
-Corners that rounding parts are made one; triangles that stand twice stand once; those that are wound the wrong way
-are turned. A surface with a hole is refused, and it is said where the hole is.
+Corners that rounding parts are made one; triangles that stand twice stand once; those that are wound the
+wrong way are turned. A surface with a hole is refused, and it is said where the hole is.
 """
 
 from __future__ import annotations
@@ -52,9 +52,7 @@ class Surface:
     notes: tuple[str, ...]
 
 
-def closed_surface(
-    vertices: np.ndarray, triangles: np.ndarray, rounding: float = SIX_DIGITS
-) -> Surface:
+def closed_surface(vertices: np.ndarray, triangles: np.ndarray, rounding: float = SIX_DIGITS) -> Surface:
     """Make triangles a closed surface.
 
     Parameters
@@ -109,7 +107,7 @@ def _check(vertices: np.ndarray, triangles: np.ndarray) -> None:
         raise InputError("has no triangles")
     if len(triangles) > MOST_TRIANGLES:
         raise InputError(f"has {len(triangles)} triangles; at most {MOST_TRIANGLES} are allowed")
-    if not (0 <= triangles.min() and triangles.max() < len(vertices)):
+    if not (triangles.min() >= 0 and triangles.max() < len(vertices)):
         raise InputError(f"a face names a vertex that is not there; there are {len(vertices)}")
     used = vertices[np.unique(triangles)]
     if not (np.abs(used) < 1e50).all():  # false for NaN too
@@ -119,7 +117,7 @@ def _check(vertices: np.ndarray, triangles: np.ndarray) -> None:
 def _with_shared_vertices(
     vertices: np.ndarray, triangles: np.ndarray, near: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Make vertices that are near each other one; leave out those of no triangle, and triangles that are lines.
+    """Make near vertices one; leave out those of no triangle, and triangles that are lines.
 
     Returns vertices, triangles, and the number (g,) that each of these had.
     """
