@@ -242,7 +242,7 @@ class _Reader:
             raise InputError("needs the number of teeth of the index wheel and its offset", key=key)
         teeth = _number(tokens[0], key, "the number of teeth")
         offset = _number(tokens[1], key, "the offset") if len(tokens) > 1 else 0.0
-        if not 0 < abs(teeth) <= MOST_TEETH:
+        if not 1 <= abs(teeth) <= MOST_TEETH:
             raise InputError(
                 f"the number of teeth must be 1 to {MOST_TEETH}, or negative", key=key, value=tokens[0]
             )

@@ -116,8 +116,8 @@ class Design:
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.gear) and self.gear):
-            raise InputError("must be a number of teeth other than 0", key="gear", value=self.gear)
+        if not 1 <= abs(self.gear) < math.inf:
+            raise InputError("must be 1 tooth or more, or negative", key="gear", value=self.gear)
         for number, tier in enumerate(self.tiers, start=1):
             _check_tier(tier, f"tier {number}")
         if self.n_facets > MOST_FACETS:

@@ -38,6 +38,8 @@ __all__ = ["parse_gcs", "read_gcs", "write_gcs"]
 ROOT = "GemCutStudio"
 #: Largest number in a file: its square is finite, and so is what the numbers make.
 LARGEST = 1e50
+#: Most teeth of a gear.
+MOST_TEETH = 100_000
 #: Attributes of <info> that are headers, then those that are footnotes.
 _HEADERS = ("title", "author", "date", "header2", "header3")
 _FOOTNOTES = ("footer1", "footer2", "footer3", "footer4")
@@ -79,8 +81,8 @@ def parse_gcs(data: bytes) -> Design:
     gear, offset = (
         (96.0, 0.0) if wheel is None else (_of(wheel, "gear", "index"), _of(wheel, "base", "index", 0))
     )
-    if not 0 < abs(gear) <= LARGEST:
-        raise InputError("the number of teeth must not be 0", key="index gear", value=gear)
+    if not 1 <= abs(gear) <= MOST_TEETH or not abs(offset) <= MOST_TEETH:
+        raise InputError(f"the number of teeth must be 1 to {MOST_TEETH}", key="index", value=(gear, offset))
     planes, keys, names, instructions = [], [], [], []
     notes = []
     guides = bare = 0

@@ -168,7 +168,9 @@ def named_facets(planes: np.ndarray, areas: np.ndarray) -> tuple[np.ndarray, tup
         side = sides[tier[0]]
         letter = {CROWN: "C", GIRDLE: "G"}.get(side, "P")
         if len(tier) == 1 and np.hypot(*planes[tier[0], :2]) <= ALIKE:
-            kind = "T" if side == CROWN else "K"
+            letter = "T" if side == CROWN else "K"
+            counts[letter] += 1
+            kind = letter if counts[letter] == 1 else f"{letter}{counts[letter]}"
         else:
             counts[letter] += 1
             kind = f"{letter}{counts[letter]}"
