@@ -40,6 +40,7 @@ __all__ = [
     "EngineOptions",
     "MaterialOptions",
     "ModelOptions",
+    "OneStone",
     "Stones",
     "TableOptions",
     "ViewOptions",
@@ -78,6 +79,7 @@ _STONES_HELP = (
 Stones = Annotated[
     list[str], typer.Argument(metavar="STONE", help=_STONES_HELP, autocompletion=_complete_stones)
 ]
+OneStone = Annotated[str, typer.Argument(metavar="STONE", help=_STONES_HELP, autocompletion=_complete_stones)]
 AnyStones = Annotated[
     list[str] | None, typer.Argument(metavar="STONE", help=_STONES_HELP, autocompletion=_complete_stones)
 ]

@@ -9,8 +9,10 @@ from typing import Generic, TypeVar, overload
 
 from gemrender.stone import Stone
 
-__all__ = ["LONGEST_NAME", "Lazy", "OfMaterial", "OneStone", "Stones"]
+__all__ = ["LONGEST_NAME", "NO_MATERIAL", "Lazy", "OfMaterial", "OneStone", "Stones"]
 
+#: What ends the words for a material that was taken since a file has none.
+NO_MATERIAL = "(no material in the file)"
 #: Longest name of a stone [characters]: it has to fit into tables and file names.
 LONGEST_NAME = 100
 
@@ -135,4 +137,6 @@ class OfMaterial(Stones):
         return len(self._stones)
 
     def _stone(self, i: int) -> Stone:
-        return replace(self._stones[i], material=self._material)
+        stone = self._stones[i]
+        assumed = tuple(words for words in stone.assumed if not words.endswith(NO_MATERIAL))
+        return replace(stone, material=self._material, assumed=assumed)
