@@ -9,7 +9,20 @@ from hypothesis import strategies as st
 
 _NUMBER = re.compile(rb"[-+]?\d+\.?\d*(?:[eE][-+]?\d+)?")
 #: What a number is replaced by in text, and in binary files.
-WORDS = [b"nan", b"inf", b"-1e400", b"1e308", b"-0", b"0", b"", b"1e-320", b"99999999999999", b"\xb0", b"n", b"G"]
+WORDS = [
+    b"nan",
+    b"inf",
+    b"-1e400",
+    b"1e308",
+    b"-0",
+    b"0",
+    b"",
+    b"1e-320",
+    b"99999999999999",
+    b"\xb0",
+    b"n",
+    b"G",
+]
 PATTERNS = [struct.pack("<d", x) for x in (float("nan"), float("inf"), -1e308, 0.0, -99999.0, 5e-324)] + [
     struct.pack("<i", n) for n in (-1, 0, 1, 2**31 - 1, -(2**31), 65536)
 ]

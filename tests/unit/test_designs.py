@@ -54,9 +54,7 @@ def test_the_solids_facts(name):
     assert stone.solid.volume / unit**3 == pytest.approx(truth["volume"], rel=FACTS)
     assert float(stone.solid.areas @ up) / unit**2 == pytest.approx(truth["projected_area"], rel=FACTS)
     assert depth / unit == pytest.approx(truth["depth"], rel=FACTS)
-    assert max(length, width) / min(length, width) == pytest.approx(
-        truth["length_over_width_box"], abs=FACTS
-    )
+    assert max(length, width) / min(length, width) == pytest.approx(truth["length_over_width_box"], abs=FACTS)
     assert stone.material == TRUTH[name]["refractive_index"]
     assert stone.cut == Design(**{k: getattr(design, k) for k in ("tiers", "gear", "offset", "index")} | {
         "folds": design.folds, "is_mirrored": design.is_mirrored, "notes": design.notes,
@@ -149,7 +147,7 @@ def test_a_facet_that_others_cut_away_is_none():
 
 def test_planes_that_do_not_close_are_refused():
     for tiers in ((), square().tiers[:2], square().tiers[1:]):
-        with pytest.raises(InputError, match="no facets|do not close"):
+        with pytest.raises(InputError, match=r"no facets|do not close"):
             Design(tiers=tiers).stone()
 
 
