@@ -7,6 +7,7 @@ from typing import Annotated
 from gemrender.cli.groups import command
 from gemrender.cli.options import (
     EngineOptions,
+    MaterialOptions,
     ModelOptions,
     TableOptions,
     ViewOptions,
@@ -24,6 +25,7 @@ __all__ = ["compare"]
 def compare(
     given: StoneOptions,
     engine: EngineOptions,
+    of: MaterialOptions,
     model: ModelOptions,
     view: ViewOptions,
     table: TableOptions,
@@ -36,11 +38,11 @@ def compare(
     from gemrender.report.comparison import panel, write_comparison
     from gemrender.report.files import prepare_folder
     from gemrender.report.tables import score_record, score_table, score_values
-    from gemrender.score import score, score_observation
+    from gemrender.scoring import score, score_observation
 
     form = table.chosen
     options = trace_options(engine, model, view)
-    loaded = load(given.stones, options, given.settings)
+    loaded = load(given.stones, options, given.settings, of.material)
     prepare_engine(options, loaded.samples, out)
     folder = None if out is None else prepare_folder(out)
     scores, panels, pair = [], [], []

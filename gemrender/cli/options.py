@@ -15,6 +15,7 @@ from gemrender.cli.values import (
     choice_option,
     complete_files,
     complete_words,
+    material_option,
     number_option,
     whole_option,
 )
@@ -37,7 +38,9 @@ if TYPE_CHECKING:
 __all__ = [
     "AnyStones",
     "EngineOptions",
+    "MaterialOptions",
     "ModelOptions",
+    "OneStone",
     "Stones",
     "TableOptions",
     "ViewOptions",
@@ -65,11 +68,18 @@ def bundled_names() -> list[str]:
     return list(bundled_files(""))
 
 
-_complete_stones = complete_files(bundled_names, (".toml", ".csv"))
-_STONES_HELP = "Stone files, or names of bundled stones (see: gemrender stones), or tables of stones (.csv)."
+_complete_stones = complete_files(
+    bundled_names,
+    (".toml", ".csv", ".tsv", ".asc", ".gem", ".gcs", ".stl", ".obj", ".ply", ".glb", ".srn"),
+)
+_STONES_HELP = (
+    "Stone files (.toml, .csv, .asc, .gem, .gcs, .stl, .obj, .ply, .glb, .srn), names of bundled stones "
+    "(see: gemrender stones), or tables of stones (.csv)."
+)
 Stones = Annotated[
     list[str], typer.Argument(metavar="STONE", help=_STONES_HELP, autocompletion=_complete_stones)
 ]
+OneStone = Annotated[str, typer.Argument(metavar="STONE", help=_STONES_HELP, autocompletion=_complete_stones)]
 AnyStones = Annotated[
     list[str] | None, typer.Argument(metavar="STONE", help=_STONES_HELP, autocompletion=_complete_stones)
 ]
@@ -165,11 +175,12 @@ Fresnel = Annotated[
     ),
 ]
 Rear = Annotated[
-    str,
+    str | None,
     choice_option(
         "--rear",
-        ("position", "direction"),
-        "Rear light: what came in below the girdle, or from below the horizon.",
+        ("position", "facet", "direction"),
+        "Rear light: what came in below the girdle, through a pavilion facet, or from below the horizon; by "
+        "default position where the girdle's lower edge is level, else facet.",
         metavar="RULE",
         rich_help_panel=MODEL,
     ),
@@ -209,8 +220,22 @@ class ModelOptions:
     """The rules that light is followed and counted by."""
 
     fresnel: Fresnel = None
-    rear: Rear = "position"
+    rear: Rear = None
     intensity: Intensity = "primary"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MaterialOptions:
+    """What the stones are made of."""
+
+    material: Annotated[
+        Any,
+        material_option(
+            "Material of all stones (see: gemrender materials), or its refractive index; by default what "
+            "their files say.",
+            rich_help_panel=MODEL,
+        ),
+    ] = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -271,8 +296,8 @@ def trace_options(
         "fresnel": model.fresnel,
         "rear": model.rear,
         "intensity": model.intensity,
-        "tilt_deg": view.tilt,
-        "tilt_azimuth_deg": view.tilt_azimuth,
+        "tilt": view.tilt,
+        "tilt_azimuth": view.tilt_azimuth,
         "bound": engine.bound,
         "time_limit": engine.time,
         "memory_limit": engine.memory,
@@ -281,11 +306,10 @@ def trace_options(
 
 def view_and_model(stone: Stone, options: dict[str, Any]) -> tuple[View, Model]:
     """Return the view and the model that the options make of a stone."""
-    from gemrender.observation import Model, View
+    from gemrender.request import ShortForms, resolve
 
-    model = Model.of(stone, **{key: options[key] for key in ("fresnel", "rear", "intensity")})
-    view = View.of(stone, **{key: options[key] for key in ("resolution", "tilt_deg", "tilt_azimuth_deg")})
-    return view, model
+    short: Any = {key: options[key] for key in ShortForms.__annotations__ if key in options}
+    return resolve(stone, None, None, short)
 
 
 def prepare_engine(

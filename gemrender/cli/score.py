@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from gemrender.cli.groups import command
 from gemrender.cli.options import (
     EngineOptions,
+    MaterialOptions,
     ModelOptions,
     TableOptions,
     ViewOptions,
@@ -21,7 +22,7 @@ from gemrender.cli.stones import StoneOptions, load
 
 if TYPE_CHECKING:
     from gemrender.cli.stones import LoadedStones
-    from gemrender.score import Score
+    from gemrender.scoring import Score
 
 __all__ = ["score"]
 
@@ -33,6 +34,7 @@ _MANY = 100
 def score(
     given: StoneOptions,
     engine: EngineOptions,
+    of: MaterialOptions,
     model: ModelOptions,
     view: ViewOptions,
     table: TableOptions,
@@ -43,7 +45,7 @@ def score(
 
     form = table.chosen
     options = trace_options(engine, model, view)
-    loaded = load(given.stones, options, given.settings)
+    loaded = load(given.stones, options, given.settings, of.material)
     prepare_engine(options, loaded.samples, out)
     started = time.monotonic()
     scored = _scores(loaded, options, out)
@@ -69,8 +71,8 @@ def _scores(loaded: LoadedStones, options: dict[str, Any], out: str | None) -> I
     """Score the stones one after the other; with `out`, write their maps."""
     from gemrender.engines import observe
     from gemrender.report.files import file_stems, prepare_folder, write_observation
-    from gemrender.score import score as score_stone
-    from gemrender.score import score_observation
+    from gemrender.scoring import score as score_stone
+    from gemrender.scoring import score_observation
 
     folder = None if out is None else prepare_folder(out)
     stems = file_stems(loaded.names) if folder is not None else []

@@ -9,6 +9,7 @@ from gemrender.cli.groups import command
 from gemrender.cli.options import (
     TILT,
     EngineOptions,
+    MaterialOptions,
     ModelOptions,
     Resolution,
     TableOptions,
@@ -40,6 +41,7 @@ class StudyEngineOptions(EngineOptions):
 def symmetry(
     given: StoneOptions,
     engine: StudyEngineOptions,
+    of: MaterialOptions,
     model: ModelOptions,
     table: TableOptions,
     deviation: Annotated[
@@ -86,7 +88,7 @@ def symmetry(
         )
         deviation, tilt = tilt, None
     options = trace_options(engine, model, ViewOptions(tilt=tilt or 0.0, tilt_azimuth=tilt_azimuth))
-    loaded = load(given.stones, options, given.settings)
+    loaded = load(given.stones, options, given.settings, of.material)
     study: dict[str, Any] = {
         "tilt_deg": _DEFAULT_DEVIATION if deviation is None else deviation,
         "jitter": jitter,
@@ -120,8 +122,8 @@ def symmetry(
 
 def _leave_out_defaults(options: dict[str, Any]) -> None:
     """Leave out options that journals of earlier versions do not have, where they ask for nothing."""
-    if not options["tilt_deg"]:
-        del options["tilt_deg"], options["tilt_azimuth_deg"]
+    if not options["tilt"]:
+        del options["tilt"], options["tilt_azimuth"]
     for key, default in (("time_limit", DEFAULT_TIME_LIMIT), ("memory_limit", DEFAULT_MEMORY_LIMIT)):
         if options[key] == default:
             del options[key]

@@ -164,7 +164,7 @@ def study_symmetry(
         "tilt_deg": tilt_deg,
         "jitter": jitter,
         "seed": seed,
-        "options": options,
+        "options": {**options, "rear": options.get("rear") or stone.rear_rule},
     }
     with contextlib.ExitStack() as stack:
         kept = None
@@ -254,7 +254,7 @@ def _score_batch(
     threads: int | None,
     numbers: list[int],
 ) -> list[tuple[int, tuple[float, float]]]:
-    from gemrender.score import score
+    from gemrender.scoring import score
 
     if threads is not None and engine_for(options.get("engine", DEFAULT_ENGINE), stone) == "mitsuba":
         require_engine("mitsuba", options.get("variant", DEFAULT_VARIANT))

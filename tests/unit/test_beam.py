@@ -24,7 +24,7 @@ from gemrender.engines import engine_for, observe, require_engine
 from gemrender.errors import InputError
 from gemrender.observation import Model, View
 from gemrender.optics.fresnel import transmittance
-from gemrender.score import BAND_EDGES, score
+from gemrender.scoring import BAND_EDGES, score
 
 INDEX = 2.4173
 LAWS = {"exact": EXACT, "gubelin": GUBELIN}

@@ -37,7 +37,7 @@ from gemrender.cuts.round_brilliant.topology import (
 from gemrender.optics.fresnel import critical_angle_deg, transmittance
 from gemrender.reference import observe, surfaces, trace, tracer
 from gemrender.reference.surfaces import surfaces_of
-from gemrender.score import score_observation
+from gemrender.scoring import score_observation
 from gemrender.stone import tessellate
 
 SAMPLES = ["inoue-1", "inoue-2", "inoue-3"]

@@ -10,7 +10,7 @@ from gemrender.crosscheck import crosscheck
 from gemrender.cuts import RoundBrilliant, load_stone, stone_from_vertices
 from gemrender.cuts.round_brilliant.topology import GIRDLE
 from gemrender.engines import observe, observe_alike
-from gemrender.score import score_observation
+from gemrender.scoring import score_observation
 from gemrender.stone import Stone, tessellate
 from tests.solids import assert_closed, mesh_volume
 from tests.tolerances import PLANE, ROUNDING, SAGITTA
@@ -89,7 +89,7 @@ def test_a_tilt_so_small_that_it_does_not_count_leaves_the_score(engine, variant
 @pytest.mark.parametrize("tilt_deg", [0.0, 30.0])
 @pytest.mark.parametrize("seed", [1, 2])
 def test_both_tracers_agree(seed, tilt_deg, variant_llvm_ad_mono):
-    truth, by_mitsuba, _ = observe_alike(tilted("inoue-3", seed), resolution=160, tilt_deg=tilt_deg)
+    truth, by_mitsuba, _ = observe_alike(tilted("inoue-3", seed), resolution=160, tilt=tilt_deg)
     check = crosscheck(by_mitsuba, truth)
     assert check.failures == []
 
