@@ -19,6 +19,7 @@ import numpy as np
 from gemrender.errors import InputError
 from gemrender.stone.facets import Facet, side_of
 from gemrender.stone.frame import in_frame
+from gemrender.stone.polyhedron import intersect
 from gemrender.stone.solid import convex_solid
 from gemrender.stone.stone import Stone
 
@@ -189,6 +190,24 @@ class Design:
                 name = f"{first}_{number}"
             names[name] = None
         return tuple(names)
+
+    def corners(self) -> list[np.ndarray]:
+        """Return the corners of each facet, (k, 3) float64, anticlockwise seen from outside.
+
+        A facet that others cut away has none, nor the second of two in one plane.
+
+        Raises
+        ------
+        InputError
+            The facets do not close.
+        """
+        planes = self.planes().real
+        used = np.unique(_first_of_twins(planes))
+        body = intersect(planes[used])
+        corners = [np.empty((0, 3))] * len(planes)
+        for place, facet in enumerate(used.tolist()):
+            corners[facet] = body.vertices[body.polygon(place)]
+        return corners
 
     def stone(self, *, with_headers: bool = False, **facts: Any) -> Stone:
         """Make the stone of the design, in the frame of stones.
