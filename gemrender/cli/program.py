@@ -18,6 +18,7 @@ from typer.core import TyperGroup
 from gemrender.cli.about import doctor, materials, setups, stones
 from gemrender.cli.compare import compare
 from gemrender.cli.crosscheck import crosscheck
+from gemrender.cli.inspect import inspect
 from gemrender.cli.output import say
 from gemrender.cli.render import render
 from gemrender.cli.report import report
@@ -56,7 +57,7 @@ app = typer.Typer(
 )
 
 for _command in (
-    score, compare, sensitivity, show, report, render, symmetry, crosscheck, scene, stones, setups,
+    score, inspect, compare, sensitivity, show, report, render, symmetry, crosscheck, scene, stones, setups,
     materials, doctor,
 ):  # fmt: skip
     app.command()(_command)

@@ -245,7 +245,9 @@ def test03_a_click_shows_the_reference_path(opened, pages, observed, name):
     points = [(0.1, 0.05), (-0.45, 0.31), (0.62, -0.4), (0.93, 0.34), (-0.2, -0.88), (0.99, 0.99)]
     some_rear = np.argwhere(observation.rear_mask > 0)
     row, column = some_rear[len(some_rear) // 2]
-    points.append(tuple(axis[i] for axis, i in zip(observation.view.cell_centres(), (column, row), strict=True)))
+    points.append(
+        tuple(axis[i] for axis, i in zip(observation.view.cell_centres(), (column, row), strict=True))
+    )
     for x, y in points:
         seen.click(x, y, half_width=half_width)
         told = seen.ray()
@@ -336,7 +338,9 @@ def test07_hover_tells_facet_and_intensity(opened, pages, observed):
     x, y = observation.view.cell_centres()
     for row, column in [(64, 70), (30, 45), (100, 85)]:
         seen.page.mouse.move(*seen.place(x[column], y[row]))
-        facet = observation.stone.facet_names[observation.entry_facet[row, column]].replace("bezel", "bezel_main")
+        facet = observation.stone.facet_names[observation.entry_facet[row, column]].replace(
+            "bezel", "bezel_main"
+        )
         said = seen.page.locator("#tip").inner_text()
         name, value = said.split(": ")
         assert name == facet.replace("_", " ")

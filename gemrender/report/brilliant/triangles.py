@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["GIRDLE_NUMBER", "triangles_figure", "visible_triangles"]
+__all__ = ["GIRDLE_NUMBER", "brilliant_triangles_figure", "visible_triangles"]
 
 SCALE = 2.45  # inch per girdle radius
 FONT_SIZE = 10.0
@@ -48,7 +48,7 @@ _MEANINGS = {
 }
 
 
-def triangles_figure(stone: Stone) -> Figure:
+def brilliant_triangles_figure(stone: Stone) -> Figure:
     """Draw three views with the number of each visible triangle, and which facets they make."""
     return three_views(
         stone,

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["VERTEX_CODES", "vertices_figure"]
+__all__ = ["VERTEX_CODES", "brilliant_vertices_figure"]
 
 SCALE = 2.2  # inch per girdle radius
 FONT_SIZE = 10.5
@@ -55,7 +55,7 @@ VERTEX_CODES = _codes()
 _COLOURS = tuple(colour for *_, count, _, _, colour in _KINDS for _ in range(count))
 
 
-def vertices_figure(stone: Stone) -> Figure:
+def brilliant_vertices_figure(stone: Stone) -> Figure:
     """Draw the visible vertices of three views with their labels, and what the labels mean."""
 
     def draw(axes: Axes, view: StoneView) -> None:

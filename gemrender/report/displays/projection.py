@@ -16,6 +16,7 @@ __all__ = [
     "PAVILION",
     "Projection",
     "StoneView",
+    "corners_of",
     "look_at",
     "section",
     "side",
@@ -86,11 +87,11 @@ class StoneView:
     visible, outline, hidden : tuple of (n, 2) float64
         Edges between facets on the near side, where the near side ends, and on the far side [girdle radius].
     facets : tuple of int
-        Visible facets (0 to 57), in ascending order.
+        Visible facets, in ascending order.
     polygons : tuple of (n, 2) float64
         The outline of each visible facet.
     vertices : tuple of int
-        Visible vertices (0 to 56); none of a stone with tilted facets, which has others.
+        Visible corners: their rows in `corners_of`.
     """
 
     projection: Projection
@@ -105,8 +106,8 @@ class StoneView:
 def look_at(stone: Stone, projection: Projection) -> StoneView:
     """Tell the visible edges and facets of a stone from the hidden ones.
 
-    An edge is hidden if neither of its two faces is turned to the eye. That is exact for a convex stone;
-    what a measured stone lacks of that is far below a line's width.
+    An edge is hidden if neither of its two faces is turned to the eye. That is exact for a convex stone. Of
+    others, what another part of the stone hides is drawn, too.
     """
     mesh = _mesh(stone)
     near = _face_normals(mesh) @ projection.eye > EDGE_ON
@@ -130,7 +131,8 @@ def look_at(stone: Stone, projection: Projection) -> StoneView:
     }
     facets = np.unique(mesh.face_facet[near])
     polygons = [flat[_boundary(mesh.faces[near & (mesh.face_facet == facet)])] for facet in facets]
-    seen = np.unique(mesh.faces[near])
+    seen = np.zeros(len(mesh.vertices), dtype=bool)
+    seen[mesh.faces[near]] = True
     return StoneView(
         projection=projection,
         visible=lines["visible"],
@@ -138,15 +140,29 @@ def look_at(stone: Stone, projection: Projection) -> StoneView:
         hidden=lines["hidden"],
         facets=tuple(facets.tolist()),
         polygons=tuple(polygons),
-        vertices=_labelled(stone, mesh.vertices[seen]),
+        vertices=_visible(stone, mesh, seen),
     )
 
 
-def _labelled(stone: Stone, seen: np.ndarray) -> tuple[int, ...]:
-    """Return the labelled vertices that are among the corners that are seen, (k, 3)."""
+def corners_of(stone: Stone) -> np.ndarray:
+    """Return the corners of a stone, (k, 3): a round brilliant's labelled vertices, else where facets meet."""
+    if stone.labelled_vertices is not None:
+        return stone.labelled_vertices
+    mesh = _mesh(stone)
+    return np.asarray(mesh.vertices[_meetings(mesh)])
+
+
+def _meetings(mesh: StoneMesh) -> np.ndarray:
+    """Return the vertices where three facets meet and more, (k,): not those along a round girdle's edges."""
+    pairs = np.unique(np.column_stack([mesh.faces.reshape(-1), np.repeat(mesh.face_facet, 3)]), axis=0)
+    return np.flatnonzero(np.bincount(pairs[:, 0], minlength=len(mesh.vertices)) > 2)
+
+
+def _visible(stone: Stone, mesh: StoneMesh, seen: np.ndarray) -> tuple[int, ...]:
+    """Return the corners among the mesh's vertices that are seen, (v,) bool."""
     if stone.labelled_vertices is None:
-        return ()
-    apart = np.abs(stone.labelled_vertices[:, None] - seen).max(axis=-1).min(axis=1)
+        return tuple(np.flatnonzero(seen[_meetings(mesh)]).tolist())
+    apart = np.abs(stone.labelled_vertices[:, None] - mesh.vertices[seen]).max(axis=-1).min(axis=1)
     return tuple(np.flatnonzero(apart < SAME_VERTEX).tolist())
 
 
