@@ -83,7 +83,7 @@ def test_the_import_of_both_sets_no_variant():
     "statement",
     [
         "import gemrender.score",
-        "from gemrender.score import Score",
+        "from gemrender.scoring import Score",
         "import gemrender.crosscheck",
         "import gemrender.cli",
         "import gemrender.engines; gemrender.load_stone('inoue-1')",
