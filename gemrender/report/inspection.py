@@ -12,8 +12,8 @@ from gemrender.cuts.design import Design
 from gemrender.errors import InputError
 from gemrender.optics import load_material, refractive_index
 from gemrender.optics.material import DIAMETER_RANGE_MM
-from gemrender.report.dimensions import Dimension, measured_dimensions
 from gemrender.report.formats import Column, TextTable
+from gemrender.report.measured import Dimension, measured_dimensions
 from gemrender.stone import Stone
 
 __all__ = [
@@ -261,8 +261,8 @@ def inspection_tables(inspections: Sequence[Inspection]) -> list[TextTable]:
             figures.note(f"{found.name}: {words}.", "yellow")
         tables += [figures, _tier_table(found)]
     tables[-1].note(
-        "Proportions in per cent of the width; the crown above the girdle's highest point, the pavilion below its "
-        "lowest."
+        "Proportions in per cent of the width; the crown above the girdle's highest point, the pavilion "
+        "below its lowest."
     )
     tables[-1].note("Angle to the girdle plane in degrees; area in per cent of the surface.")
     return tables

@@ -15,7 +15,7 @@ from gemrender.cuts.round_brilliant.topology import (
     STAR_TIP,
     TABLE_CORNER,
 )
-from gemrender.report.dimensions import Dimension
+from gemrender.report.measured import Dimension
 from gemrender.stone import Stone
 
 __all__ = ["brilliant_dimensions"]

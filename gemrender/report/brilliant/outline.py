@@ -15,7 +15,6 @@ from gemrender.cuts.round_brilliant.topology import (
     TABLE_CORNER,
 )
 from gemrender.report.brilliant.dimensions import brilliant_dimensions
-from gemrender.report.dimensions import Dimension
 from gemrender.report.displays.dimension_lines import (
     draw_angle,
     draw_dimension,
@@ -25,6 +24,7 @@ from gemrender.report.displays.dimension_lines import (
 )
 from gemrender.report.displays.page import PAPER, Page, draw_lines, stone_extent
 from gemrender.report.displays.projection import CROWN, PAVILION, look_at, side
+from gemrender.report.measured import Dimension
 from gemrender.stone import Stone
 
 if TYPE_CHECKING:
@@ -88,7 +88,9 @@ def _side_dimensions(axes: Axes, stone: Stone, values: dict[str, Dimension]) -> 
     draw_dimension(axes, ends[0], ends[1], (0.0, low - 0.15), "girdle diameter 100 %")
     x = right + 0.2
     draw_dimension(axes, table[1], girdle_top, (x, 0.0), _named(values["crown_height"]), upright=True)
-    draw_dimension(axes, girdle_top, girdle_bottom, (x, 0.0), _named(values["girdle_thickness"]), upright=True)
+    draw_dimension(
+        axes, girdle_top, girdle_bottom, (x, 0.0), _named(values["girdle_thickness"]), upright=True
+    )
     draw_dimension(axes, girdle_bottom, culet, (x, 0.0), _named(values["pavilion_depth"]), upright=True)
     draw_angle(axes, flat[GIRDLE_UPPER[8]], flat[TABLE_CORNER[4]], 0.30, _named(values["crown_angle"]))
     draw_angle(axes, flat[GIRDLE_LOWER[8]], culet, 0.34, _named(values["pavilion_angle"]))
