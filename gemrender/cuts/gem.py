@@ -10,8 +10,8 @@
     8 x (u8 length, bytes)            four headers and four footnotes
     [ u8 7 "preform" and a complete list of facets ]
 
-The planes are what counts: in some files the corners are scaled by 0.81. At the girdle, the sign of pz (6e-17)
-says which side the tier is cut on.
+The planes are what counts: in some files the corners are scaled by 0.81. At the girdle, the sign of pz
+(6e-17) says which side the tier is cut on.
 """
 
 from __future__ import annotations
@@ -115,7 +115,7 @@ def parse_gem(data: bytes) -> Design:
         gear=gear,
         offset=offset,
         index=index if 1 < index < MOST_TEETH else None,
-        folds=max(folds, 1),
+        folds=max(int(folds), 1),
         is_mirrored=bool(mirror),
         headers=_without_blank_end(texts[:N_HEADERS]),
         footnotes=_without_blank_end(texts[N_HEADERS:]),
@@ -144,7 +144,11 @@ def write_gem(design: Design, path: str | os.PathLike[str]) -> None:
     of_tier = design.facet_tiers
     corners = _corners(planes)
     out = bytearray()
-    names = [name for tier in design.tiers for name in (*tier.names, *[""] * len(tier.indices))[: len(tier.indices)]]
+    names = [
+        name
+        for tier in design.tiers
+        for name in (*tier.names, *[""] * len(tier.indices))[: len(tier.indices)]
+    ]
     for number, (plane, name) in enumerate(zip(planes, names, strict=True)):
         tier = design.tiers[of_tier[number]]
         p = plane[:3] / plane[3]

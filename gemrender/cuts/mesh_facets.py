@@ -12,20 +12,17 @@ from gemrender.cuts.surface import Surface
 from gemrender.errors import InputError
 from gemrender.stone.facets import CROWN, GIRDLE, Facet, side_of
 
-__all__ = ["FLAT", "UP", "MeshFacets", "facets_of", "find_up", "levelled", "named_facets", "turned_up"]
+__all__ = ["UP", "MeshFacets", "facets_of", "find_up", "levelled", "named_facets", "turned_up"]
 
 #: Directions that can be up.
 UP = {
     "x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0),
     "-x": (-1.0, 0.0, 0.0), "-y": (0.0, -1.0, 0.0), "-z": (0.0, 0.0, -1.0),
 }  # fmt: skip
-#: Vertices this near a facet's plane lie on it [half the size of the stone]: six digits, and planes through them.
-#: Neighbours on a round girdle of 1024 facets are 3.8e-5 off.
-FLAT = 1e-5
 #: Triangles that are smaller than this are slivers [share of the largest of their facet].
 SLIVER = 1e-3
-#: Largest z of a normal that is made level, or slant of one that is made upright, however small the facet; and what
-#: rounding leaves of numbers of 64 bits.
+#: Largest z of a normal that is made level, or slant of one that is made upright, however small the facet;
+#: and what rounding leaves of numbers of 64 bits.
 MOST_LEVELLED, LAST_BITS = 0.05, 1e-12
 #: Facets that may be the table, of the largest.
 MOST_TABLES = 12
@@ -72,7 +69,7 @@ def facets_of(surface: Surface) -> MeshFacets:
     crosses = _crosses(vertices[triangles])
     doubled = np.linalg.norm(crosses, axis=1)
     grown = _grown_convex if surface.is_convex else _grown
-    facet = grown(vertices, triangles, crosses, doubled, FLAT * surface.size)
+    facet = grown(vertices, triangles, crosses, doubled, surface.near)
     # The planes are those of the file's own corners. Slivers, which may belong to a neighbour, have no say.
     crosses = _crosses(surface.corners)
     doubled = np.linalg.norm(crosses, axis=1)
@@ -85,8 +82,8 @@ def facets_of(surface: Surface) -> MeshFacets:
     normals = total / np.where(length > 0, length, 1.0)[:, None]
     weights = np.bincount(facet, weight, count)
     centres = surface.corners.mean(axis=1)
-    middles = np.column_stack([np.bincount(facet, weight * centres[:, k], count) for k in range(3)])
-    middles /= np.where(weights > 0, weights, 1.0)[:, None]
+    moments = np.column_stack([np.bincount(facet, weight * centres[:, k], count) for k in range(3)])
+    middles = moments / np.where(weights > 0, weights, 1.0)[:, None]
     reach = np.zeros(count)
     np.maximum.at(reach, facet, np.linalg.norm(surface.corners - middles[facet][:, None], axis=2).max(axis=1))
     planes = np.column_stack([normals, np.einsum("ij,ij->i", normals, middles)])
@@ -110,7 +107,9 @@ def find_up(surface: Surface, facets: MeshFacets) -> np.ndarray:
     for axis in ("z", "y", "x", "-z", "-y", "-x"):
         candidates.append(np.array(UP[axis]))
         sizes.append(0.0)
-    preference = [-sum((abs(u - np.array(UP[a])) < 1e-9).all() * w for a, w in (("z", 2), ("y", 1))) for u in candidates]
+    preference = [
+        -sum((abs(u - np.array(UP[a])) < 1e-9).all() * w for a, w in (("z", 2), ("y", 1))) for u in candidates
+    ]
     best = sorted(range(len(candidates)), key=lambda k: (-round(sizes[k], 6), preference[k], k))
     points = surface.vertices[np.unique(surface.triangles)]
     for k in best:
@@ -127,11 +126,12 @@ def turned_up(up: np.ndarray) -> np.ndarray:
     return np.array([x, np.cross(up, x), up])
 
 
-def named_facets(planes: np.ndarray, areas: np.ndarray, size: float) -> tuple[np.ndarray, tuple[Facet, ...]]:
+def named_facets(planes: np.ndarray, areas: np.ndarray) -> tuple[np.ndarray, tuple[Facet, ...]]:
     """Name the facets of a mesh by tiers: C (crown), G (girdle) and P (pavilion), T a table, K a culet facet.
 
     Facets of one tier have one angle and one distance from the axis's middle, up to what digits leave. The
-    table comes first, then the crown's tiers from the girdle up, the girdle, the pavilion from the girdle down.
+    table comes first, then the crown's tiers from the girdle up, the girdle, the pavilion from the girdle
+    down.
 
     Parameters
     ----------
@@ -139,8 +139,6 @@ def named_facets(planes: np.ndarray, areas: np.ndarray, size: float) -> tuple[np
         In the stone's frame.
     areas : (n,) float64
         Areas.
-    size : float
-        Half the longest side of the stone's box.
 
     Returns
     -------
@@ -150,7 +148,7 @@ def named_facets(planes: np.ndarray, areas: np.ndarray, size: float) -> tuple[np
     sides = [side_of(z) for z in planes[:, 2].tolist()]
     angles = np.degrees(np.arctan2(np.hypot(planes[:, 0], planes[:, 1]), np.abs(planes[:, 2])))
     azimuths = np.degrees(np.arctan2(planes[:, 0], planes[:, 1])) % 360.0
-    near_angle, near_offset = 0.01, 1e-4 * size
+    near_angle, near_offset = 0.01, 1e-4
     tiers: list[list[int]] = []
     for number in sorted(range(len(planes)), key=lambda k: (sides[k], -round(angles[k], 2), -areas[k])):
         for tier in reversed(tiers):
@@ -170,7 +168,9 @@ def named_facets(planes: np.ndarray, areas: np.ndarray, size: float) -> tuple[np
         side = sides[tier[0]]
         letter = {CROWN: "C", GIRDLE: "G"}.get(side, "P")
         if len(tier) == 1 and np.hypot(*planes[tier[0], :2]) <= ALIKE:
-            kind = "T" if side == CROWN else "K"
+            letter = "T" if side == CROWN else "K"
+            counts[letter] += 1
+            kind = letter if counts[letter] == 1 else f"{letter}{counts[letter]}"
         else:
             counts[letter] += 1
             kind = f"{letter}{counts[letter]}"
@@ -184,7 +184,7 @@ def named_facets(planes: np.ndarray, areas: np.ndarray, size: float) -> tuple[np
 
 
 def levelled(planes: np.ndarray, middles: np.ndarray, reach: np.ndarray, near: float) -> np.ndarray:
-    """Return planes (n, 4) of which those that are upright or level, but for `near` at their ends, are exactly so.
+    """Return planes (n, 4), of which those upright or level but for `near` at their ends are exactly so.
 
     Parameters
     ----------
@@ -242,9 +242,9 @@ def _grown(
     pair = np.column_stack([np.minimum(start, end), np.maximum(start, end)])
     edge = np.unique(pair, axis=0, return_inverse=True)[1].reshape(-1)
     inner = np.argsort(edge, kind="stable").reshape(-1, 2)  # closed: two half edges an edge
-    across = np.empty(len(edge), dtype=np.int64)
-    across[inner[:, 0]], across[inner[:, 1]] = inner[:, 1] // 3, inner[:, 0] // 3
-    across = across.reshape(-1, 3)
+    other = np.empty(len(edge), dtype=np.int64)
+    other[inner[:, 0]], other[inner[:, 1]] = inner[:, 1] // 3, inner[:, 0] // 3
+    across = other.reshape(-1, 3)
     facet = np.full(len(triangles), -1)
     count = 0
     for seed in np.argsort(-doubled, kind="stable").tolist():

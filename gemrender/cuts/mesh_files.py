@@ -20,9 +20,12 @@ from typing import Any
 import numpy as np
 
 from gemrender.cuts.mesh_stone import stone_of_triangles
+from gemrender.cuts.round_girdle import girdle_planes
+from gemrender.cuts.surface import ALL_DIGITS, SIX_DIGITS
 from gemrender.cuts.text import one_line
 from gemrender.errors import BackendError, InputError
 from gemrender.reading import read_bytes, told_at
+from gemrender.stone.polyhedron import intersect
 from gemrender.stone.solid import ROUND_PIECES, MeshSolid
 from gemrender.stone.stone import Stone
 from gemrender.writing import write_whole
@@ -51,8 +54,8 @@ def read_mesh(
     kind : {"stl", "obj", "ply", "glb"}, optional
         What it is; by default what its name ends in.
     up : {"x", "y", "z", "-x", "-y", "-z"}, optional
-        Direction of the stone's axis, table up. Without it the largest facet is taken for the table, unless the
-        file was written by gemrender.
+        Direction of the stone's axis, table up. Without it the largest facet is taken for the table, unless
+        the file was written by gemrender.
     **facts
         Fields of `Stone`, such as its name.
 
@@ -66,10 +69,15 @@ def read_mesh(
     file = Path(path)
     with told_at(str(file)):
         data = read_bytes(file, kind="mesh", most_bytes=MOST_BYTES)
-        vertices, triangles = parse_mesh(data, kind or file.suffix.lower().lstrip("."))
-        said = _UP.search(data[:_BEGINNING])
+        kind = kind or file.suffix.lower().lstrip(".")
+        vertices, triangles = parse_mesh(data, kind)
+        own = _UP.search(data[:_BEGINNING])
         return stone_of_triangles(
-            vertices, triangles, up=up or (said.group(1).decode() if said else None), **facts
+            vertices,
+            triangles,
+            up=up or (own.group(1).decode() if own else None),
+            rounding=ALL_DIGITS if own and kind != "glb" else SIX_DIGITS,
+            **facts,
         )
 
 
@@ -90,7 +98,10 @@ def parse_mesh(data: bytes, kind: str) -> tuple[np.ndarray, np.ndarray]:
             trimesh = _require_trimesh()
             loaded = trimesh.load_scene(io.BytesIO(data), file_type=kind, process=False)
             mesh = loaded.to_mesh()
-            vertices, triangles = np.array(mesh.vertices, dtype=np.float64), np.array(mesh.faces, dtype=np.int64)
+            vertices, triangles = (
+                np.array(mesh.vertices, dtype=np.float64),
+                np.array(mesh.faces, dtype=np.int64),
+            )
     except BackendError:
         raise
     except MemoryError as error:
@@ -105,8 +116,8 @@ def parse_mesh(data: bytes, kind: str) -> tuple[np.ndarray, np.ndarray]:
 def write_mesh(stone: Stone, path: str | os.PathLike[str], *, kind: str | None = None) -> None:
     """Write a stone as a mesh file; a round girdle becomes `solid.ROUND_PIECES` level facets.
 
-    .obj and .ply hold the facets as polygons; .obj, .ply and .stl are text with all digits; .glb has numbers of
-    32 bits, and y up. Facets of .obj files keep their names and order.
+    .obj and .ply hold the facets as polygons; .obj, .ply and .stl are text with all digits; .glb has numbers
+    of 32 bits, and y up. Facets of .obj files keep their names and order.
 
     Parameters
     ----------
@@ -141,6 +152,8 @@ def _polygons(stone: Stone) -> tuple[np.ndarray, list[np.ndarray], np.ndarray]:
         order = np.argsort(solid.facet, kind="stable")
         return solid.vertices, list(solid.triangles[order]), solid.facet[order]
     body = solid.polyhedron
+    if solid.is_round:
+        body = intersect(np.concatenate([solid.planes, girdle_planes(solid, ROUND_PIECES)]))
     facet = np.full(len(body.planes), solid.n_facets - 1)
     facet[: len(solid.facet)] = solid.facet
     bounding = np.flatnonzero(body.bounds)

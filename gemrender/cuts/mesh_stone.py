@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from gemrender.cuts.mesh_facets import (
-    FLAT,
     UP,
     MeshFacets,
     facets_of,
@@ -16,7 +15,7 @@ from gemrender.cuts.mesh_facets import (
     named_facets,
     turned_up,
 )
-from gemrender.cuts.surface import Surface, closed_surface
+from gemrender.cuts.surface import SIX_DIGITS, Surface, closed_surface
 from gemrender.errors import InputError
 from gemrender.stone.facets import LEVEL
 from gemrender.stone.frame import in_frame
@@ -27,7 +26,12 @@ __all__ = ["check_up", "stone_of_triangles"]
 
 
 def stone_of_triangles(
-    vertices: np.ndarray, triangles: np.ndarray, *, up: str | None = None, **facts: Any
+    vertices: np.ndarray,
+    triangles: np.ndarray,
+    *,
+    up: str | None = None,
+    rounding: float = SIX_DIGITS,
+    **facts: Any,
 ) -> Stone:
     """Make the stone that a closed surface of triangles bounds.
 
@@ -42,6 +46,8 @@ def stone_of_triangles(
         Vertices of each triangle.
     up : {"x", "y", "z", "-x", "-y", "-z"}, optional
         Direction of the stone's axis, table up. Without it the largest facet is taken for the table.
+    rounding : float
+        Rounding of the coordinates [half the longest side of the box].
     **facts
         Fields of `Stone`, such as its name.
 
@@ -51,7 +57,9 @@ def stone_of_triangles(
         The surface is open (it says where), flat, twisted, or more than one; or `up` is no direction.
     """
     check_up(up)
-    surface = closed_surface(np.asarray(vertices, dtype=np.float64), np.asarray(triangles, dtype=np.int64))
+    surface = closed_surface(
+        np.asarray(vertices, dtype=np.float64), np.asarray(triangles, dtype=np.int64), rounding
+    )
     facets = facets_of(surface)
     notes = [*surface.notes]
     if up is None:
@@ -63,21 +71,17 @@ def stone_of_triangles(
     planes = np.column_stack([facets.planes[:, :3] @ turn.T, facets.planes[:, 3]])
     make = _convex if surface.is_convex else _hollow
     solid, planes = make(surface, facets, turn, planes)
-    order, named = named_facets(planes, solid.areas, 1.0)
+    order, named = named_facets(planes, solid.areas)
     number = np.argsort(order)
     if isinstance(solid, ConvexSolid):
         solid = ConvexSolid(planes=solid.planes[order], facet=np.arange(len(order)))
     else:
-        solid = MeshSolid(
-            vertices=solid.vertices, triangles=solid.triangles, facet=number[solid.facet]
-        )
+        solid = MeshSolid(vertices=solid.vertices, triangles=solid.triangles, facet=number[solid.facet])
         notes.append("it is not convex")
     assumed = tuple(facts.pop("assumed", ()))
     if facts.get("material") is None:
         assumed = (*assumed, "diamond (no material in the file)")
-    return Stone(
-        solid=solid, facets=named, notes=(*facts.pop("notes", ()), *notes), assumed=assumed, **facts
-    )
+    return Stone(solid=solid, facets=named, notes=(*facts.pop("notes", ()), *notes), assumed=assumed, **facts)
 
 
 def check_up(up: object, key: str = "up") -> None:
@@ -96,7 +100,7 @@ def _convex(
     surface: Surface, facets: MeshFacets, turn: np.ndarray, planes: np.ndarray
 ) -> tuple[ConvexSolid, np.ndarray]:
     """Return the half-spaces of a convex surface in their frame, and the planes of its facets."""
-    framed, _ = in_frame(levelled(planes, facets.middles @ turn.T, facets.reach, FLAT * surface.size))
+    framed, _ = in_frame(levelled(planes, facets.middles @ turn.T, facets.reach, surface.near))
     solid, _ = convex_solid(framed, np.arange(len(framed)))
     return solid, solid.planes
 
@@ -114,9 +118,7 @@ def _hollow(
     edge = pavilion & above
     origin = np.array([*(0.5 * (low + high))[:2], vertices[edge if edge.any() else above, 2].min()])
     unit = 0.5 * float((high - low)[:2].max())
-    solid = MeshSolid(
-        vertices=(vertices - origin) / unit, triangles=surface.triangles, facet=facets.facet
-    )
+    solid = MeshSolid(vertices=(vertices - origin) / unit, triangles=surface.triangles, facet=facets.facet)
     moved = planes[:, 3] - planes[:, :3] @ origin
     return solid, np.column_stack([planes[:, :3], moved / unit])
 

@@ -1,7 +1,7 @@
 """Triangles as files have them, made a closed surface that faces outwards; what cannot be mended is refused.
 
-Corners that rounding parts are made one; triangles that stand twice stand once; those that are wound the wrong way
-are turned. A surface with a hole is refused, and it is said where the hole is.
+Corners that rounding parts are made one; triangles that stand twice stand once; those that are wound the
+wrong way are turned. A surface with a hole is refused, and it is said where the hole is.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ import numpy as np
 
 from gemrender.errors import InputError
 
-__all__ = ["MOST_TRIANGLES", "Surface", "closed_surface"]
+__all__ = ["ALL_DIGITS", "MOST_TRIANGLES", "SIX_DIGITS", "Surface", "closed_surface"]
 
 #: Most triangles of a mesh.
 MOST_TRIANGLES = 300_000
-#: Vertices this near are one [half the size of the stone]: files have six digits and more.
-SAME_VERTEX = 2e-6
-#: Cracks narrower than this are closed [half the size of the stone].
-CRACK = 1e-5
+#: Rounding of coordinates [half the size of the stone]: files have six digits and more; and all digits.
+SIX_DIGITS, ALL_DIGITS = 2e-6, 1e-9
+#: So many times the rounding are points on a plane off it, and cracks are wide.
+FLAT = 5.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,10 +36,10 @@ class Surface:
         Vertices of each triangle, anticlockwise seen from outside.
     corners : (f, 3, 3) float64
         Its corners as they stand in the file, before corners near each other were made one.
-    size : float
-        Half the longest side of its box.
+    near : float
+        Points this near a plane lie on it.
     is_convex : bool
-        Whether it bounds a convex solid, up to `CRACK`.
+        Whether it bounds a convex solid, up to rounding.
     notes : tuple of str
         What was mended.
     """
@@ -47,12 +47,12 @@ class Surface:
     vertices: np.ndarray
     triangles: np.ndarray
     corners: np.ndarray
-    size: float
+    near: float
     is_convex: bool
     notes: tuple[str, ...]
 
 
-def closed_surface(vertices: np.ndarray, triangles: np.ndarray) -> Surface:
+def closed_surface(vertices: np.ndarray, triangles: np.ndarray, rounding: float = SIX_DIGITS) -> Surface:
     """Make triangles a closed surface.
 
     Parameters
@@ -61,6 +61,8 @@ def closed_surface(vertices: np.ndarray, triangles: np.ndarray) -> Surface:
         Positions, in any unit of length.
     triangles : (f, 3) int64
         Vertices of each triangle, in any order.
+    rounding : float
+        Rounding of the coordinates [half the longest side of the box].
 
     Raises
     ------
@@ -72,7 +74,7 @@ def closed_surface(vertices: np.ndarray, triangles: np.ndarray) -> Surface:
     if not size > 0:
         raise InputError("all vertices are one point")
     corners = vertices[triangles]
-    vertices, triangles, left = _with_shared_vertices(vertices, triangles, SAME_VERTEX * size)
+    vertices, triangles, left = _with_shared_vertices(vertices, triangles, rounding * size)
     once = _once(triangles)
     doubled = len(triangles) - len(once)
     notes = [f"{doubled} triangles stand twice, once is used"] if doubled else []
@@ -80,14 +82,15 @@ def closed_surface(vertices: np.ndarray, triangles: np.ndarray) -> Surface:
     if len(triangles) < 4:
         raise InputError(f"has {len(triangles)} triangles; a closed surface has at least four")
     hull = _hull(vertices)
-    is_convex = _lies_on(hull, vertices, triangles, CRACK * size)
+    near = FLAT * rounding * size
+    is_convex = _lies_on(hull, vertices, triangles, near)
     if is_convex:
         outward = _seen_from(vertices, triangles, vertices[hull.vertices].mean(axis=0))
     else:
         outward = _wound_alike(vertices, triangles)
     turned = np.where(outward[:, None], triangles, triangles[:, ::-1])
     corners = np.where(outward[:, None, None], corners, corners[:, ::-1])
-    _refuse_open(vertices, turned, size, cracks=is_convex)
+    _refuse_open(vertices, turned, near, cracks=is_convex)
     n_turned = int((~outward & (_areas(vertices, triangles) > 0)).sum())
     if n_turned:
         all_of_them = n_turned == int((_areas(vertices, triangles) > 0).sum())
@@ -96,7 +99,7 @@ def closed_surface(vertices: np.ndarray, triangles: np.ndarray) -> Surface:
             if all_of_them
             else f"{n_turned} of {len(triangles)} triangles faced inwards; turned"
         )
-    return Surface(vertices, turned, corners, size, is_convex, tuple(notes))
+    return Surface(vertices, turned, corners, near, is_convex, tuple(notes))
 
 
 def _check(vertices: np.ndarray, triangles: np.ndarray) -> None:
@@ -104,7 +107,7 @@ def _check(vertices: np.ndarray, triangles: np.ndarray) -> None:
         raise InputError("has no triangles")
     if len(triangles) > MOST_TRIANGLES:
         raise InputError(f"has {len(triangles)} triangles; at most {MOST_TRIANGLES} are allowed")
-    if not (0 <= triangles.min() and triangles.max() < len(vertices)):
+    if not (triangles.min() >= 0 and triangles.max() < len(vertices)):
         raise InputError(f"a face names a vertex that is not there; there are {len(vertices)}")
     used = vertices[np.unique(triangles)]
     if not (np.abs(used) < 1e50).all():  # false for NaN too
@@ -114,7 +117,7 @@ def _check(vertices: np.ndarray, triangles: np.ndarray) -> None:
 def _with_shared_vertices(
     vertices: np.ndarray, triangles: np.ndarray, near: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Make vertices that are near each other one; leave out those of no triangle, and triangles that are lines.
+    """Make near vertices one; leave out those of no triangle, and triangles that are lines.
 
     Returns vertices, triangles, and the number (g,) that each of these had.
     """
@@ -231,7 +234,7 @@ def _wound_alike(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     return np.asarray(alike if volume >= 0 else ~alike)
 
 
-def _refuse_open(vertices: np.ndarray, triangles: np.ndarray, size: float, *, cracks: bool) -> None:
+def _refuse_open(vertices: np.ndarray, triangles: np.ndarray, near: float, *, cracks: bool) -> None:
     """Refuse a surface whose edges of one triangle go round a hole, or where they must not, a crack.
 
     Round a crack they enclose no area; a convex solid is given by its planes, and needs no shared edges.
@@ -258,7 +261,7 @@ def _refuse_open(vertices: np.ndarray, triangles: np.ndarray, size: float, *, cr
     ends = np.bincount(start[loose], minlength=len(vertices)) != np.bincount(
         end[loose], minlength=len(vertices)
     )
-    if cracks and (enclosed <= CRACK * size * length).all() and not ends.any():
+    if cracks and (enclosed <= near * length).all() and not ends.any():
         return
     largest = int(enclosed.argmax())
     n_edges = int((label == largest).sum())

@@ -21,7 +21,7 @@ LAYERS: list[dict[str, set[str]]] = [
     {"writing": set(), "reading": set(), "progress": set(), "interruption": set()},
     {"journal": set()},
     {"stone": {"numpy", "scipy"}, "optics": {"numpy"}},
-    {"cuts": {"numpy", "scipy"}},
+    {"cuts": {"numpy", "scipy", "defusedxml", "trimesh", "srn_parser"}},
     {"templates": set()},
     {"colorimetry": {"numpy", "colour"}},
     {"observation": {"numpy"}},
