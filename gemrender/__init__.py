@@ -21,7 +21,7 @@ from gemrender.errors import BackendError, GemrenderError, GemrenderWarning, Inp
 from gemrender.render import import_order as _import_order
 
 # At once, not on demand: the function has its module's name, and must be bound after the module.
-from gemrender.score import Score, score
+from gemrender.scoring import Score, score
 
 if TYPE_CHECKING:
     from gemrender.beam import VirtualFacets, trace_facets

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-from gemrender.score import Band, score_pixels
+from gemrender.scoring import Band, score_pixels
 
 if TYPE_CHECKING:
     from gemrender.observation import Observation

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 from gemrender.errors import BackendError, InputError
+from gemrender.request import DEFAULT_RESOLUTION, ShortForms, resolve
 
 if TYPE_CHECKING:
     from gemrender.observation import Measurement, Model, Observation, View
@@ -39,8 +40,6 @@ VARIANTS = tuple(
     for colour in ("rgb", "mono", "mono_polarized", "spectral", "spectral_polarized")
 )
 DEFAULT_VARIANT = "llvm_ad_mono"
-#: Pixels a side.
-DEFAULT_RESOLUTION = 1024
 #: Error bound of exact scores [%].
 DEFAULT_BOUND = 0.05
 #: What an exact score may take before it ends with a larger bound: time [s] and memory [GiB].
@@ -128,19 +127,16 @@ def require_engine(
 def observe(
     stone: Stone,
     *,
+    view: View | None = None,
+    model: Model | None = None,
     engine: str = DEFAULT_ENGINE,
-    resolution: int = DEFAULT_RESOLUTION,
     variant: str = DEFAULT_VARIANT,
-    fresnel: str | None = None,
-    rear: str | None = None,
-    intensity: str = "primary",
-    tilt_deg: float = 0.0,
-    tilt_azimuth_deg: float = 0.0,
     bound: float = DEFAULT_BOUND,
     seed: int = 1,
     time_limit: float = DEFAULT_TIME_LIMIT,
     memory_limit: float = DEFAULT_MEMORY_LIMIT,
     progress: Callable[[float], None] | None = None,
+    **short: Unpack[ShortForms],
 ) -> Observation:
     """Trace a stone's top view and return the maps behind its score.
 
@@ -148,20 +144,14 @@ def observe(
     ----------
     stone : Stone
         The stone; `load_stone` reads one.
+    view : View, optional
+        Where the eye is, and how many pixels a map has; by default what the short forms say.
+    model : Model, optional
+        The optical model; by default what the short forms say.
     engine : {"auto", "exact", "mitsuba", "reference"}
         Which tracer; "auto" is the exact one for convex stones, and Mitsuba for others.
-    resolution : int
-        Pixels a side of the square map.
     variant : str
         Mitsuba variant, which is set and left set; the other engines make no use of it.
-    fresnel : {"gubelin", "exact"}, optional
-        Transmittance law; by default Gübelin's table for diamond, Fresnel's equations for other stones.
-    rear : {"position", "facet", "direction"}, optional
-        What counts as rear light; by default "position" where the girdle's lower edge is level, else "facet".
-    intensity : {"primary", "radiance"}
-        The paper's measure, or radiance.
-    tilt_deg, tilt_azimuth_deg : float
-        Tilt of the eye from the stone's axis, and the azimuth it is tilted to [deg].
     bound, seed : float, int
         For exact scores their error bound [%], and the seed of the rays near the girdle; the other engines
         make no use of them.
@@ -171,6 +161,9 @@ def observe(
         again. The other engines make no use of them.
     progress : callable, optional
         Called with the share done, 0 to 1.
+    **short
+        Short forms: resolution, tilt, tilt_azimuth of the view, index, fresnel, rear, intensity,
+        max_reflections of the model (`gemrender.request.ShortForms`).
 
     Raises
     ------
@@ -179,7 +172,7 @@ def observe(
     BackendError
         The engine cannot run here.
     """
-    view, model = _asked(stone, resolution, fresnel, rear, intensity, tilt_deg, tilt_azimuth_deg)
+    view, model = resolve(stone, view, model, short)
     require_engine(
         engine, variant, stones=[stone], bound=bound, time_limit=time_limit, memory_limit=memory_limit
     )
@@ -202,18 +195,15 @@ def observe(
 def measure(
     stone: Stone,
     *,
-    resolution: int = DEFAULT_RESOLUTION,
+    view: View | None = None,
+    model: Model | None = None,
     variant: str = DEFAULT_VARIANT,
-    fresnel: str | None = None,
-    rear: str | None = None,
-    intensity: str = "primary",
-    tilt_deg: float = 0.0,
-    tilt_azimuth_deg: float = 0.0,
     bound: float = DEFAULT_BOUND,
     seed: int = 1,
     time_limit: float = DEFAULT_TIME_LIMIT,
     memory_limit: float = DEFAULT_MEMORY_LIMIT,
     progress: Callable[[float], None] | None = None,
+    **short: Unpack[ShortForms],
 ) -> tuple[Measurement, View, Model]:
     """Score a stone by the exact engine without maps, which cost more than the score.
 
@@ -224,7 +214,7 @@ def measure(
     (Measurement, View, Model)
         What was measured, from where, and by which model.
     """
-    view, model = _asked(stone, resolution, fresnel, rear, intensity, tilt_deg, tilt_azimuth_deg)
+    view, model = resolve(stone, view, model, short)
     require_engine(
         "exact", variant, stones=[stone], bound=bound, time_limit=time_limit, memory_limit=memory_limit
     )
@@ -236,21 +226,6 @@ def measure(
         budget=Budget(time_limit, memory_limit),
     )  # fmt: skip
     return measured, view, model
-
-
-def _asked(
-    stone: Stone,
-    resolution: int,
-    fresnel: str | None,
-    rear: str | None,
-    intensity: str,
-    tilt_deg: float,
-    tilt_azimuth_deg: float,
-) -> tuple[View, Model]:
-    from gemrender.observation import Model, View
-
-    model = Model.of(stone, fresnel=fresnel, rear=rear, intensity=intensity)
-    return View.of(stone, resolution, tilt_deg=tilt_deg, tilt_azimuth_deg=tilt_azimuth_deg), model
 
 
 def observe_alike(

@@ -109,18 +109,31 @@ class Model:
         cls,
         stone: Stone,
         *,
+        index: float | None = None,
         fresnel: str | None = None,
         rear: str | None = None,
         intensity: str = "primary",
+        max_reflections: int = MOST_REFLECTIONS,
     ) -> Model:
-        """Return the model for a stone: by default Gübelin's table for diamond, else exact, and its rule."""
-        try:
-            index = refractive_index(stone.material)
-        except InputError as error:
-            raise error.at(stone.source or stone.name, "material") from error
+        """Return the model for a stone.
+
+        By default the index is that of its material, the law Gübelin's table for diamond and else Fresnel's,
+        and the rule for rear light the stone's own (`Stone.rear_rule`).
+        """
+        if index is None:
+            try:
+                index = refractive_index(stone.material)
+            except InputError as error:
+                raise error.at(stone.source or stone.name, "material") from error
         if fresnel is None:
             fresnel = "gubelin" if index == GUBELIN_INDEX else "exact"
-        return cls(index=index, fresnel=fresnel, rear=rear or stone.rear_rule, intensity=intensity)
+        return cls(
+            index=index,
+            fresnel=fresnel,
+            rear=rear or stone.rear_rule,
+            intensity=intensity,
+            max_reflections=max_reflections,
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

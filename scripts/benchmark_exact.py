@@ -25,7 +25,7 @@ from gemrender.beam import BOUND_RANGE, beam_stone, measure, prepare, trace_face
 from gemrender.cuts import RoundBrilliant, load_stone
 from gemrender.engines import DEFAULT_BOUND, observe
 from gemrender.observation import Model
-from gemrender.score import score_pixels
+from gemrender.scoring import score_pixels
 from gemrender.stone import Stone
 
 MODEL = Model(fresnel="exact")

@@ -23,7 +23,7 @@ from gemrender.cuts.random import random_brilliant
 from gemrender.engines import DEFAULT_BOUND, observe
 from gemrender.observation import Measurement, Model
 from gemrender.report.lettering import save_png
-from gemrender.score import score_pixels
+from gemrender.scoring import score_pixels
 from gemrender.stone import Stone
 from gemrender.writing import write_whole
 

@@ -36,7 +36,7 @@ def compare(
     from gemrender.report.comparison import panel, write_comparison
     from gemrender.report.files import prepare_folder
     from gemrender.report.tables import score_record, score_table, score_values
-    from gemrender.score import score, score_observation
+    from gemrender.scoring import score, score_observation
 
     form = table.chosen
     options = trace_options(engine, model, view)

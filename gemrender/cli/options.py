@@ -165,11 +165,12 @@ Fresnel = Annotated[
     ),
 ]
 Rear = Annotated[
-    str,
+    str | None,
     choice_option(
         "--rear",
-        ("position", "direction"),
-        "Rear light: what came in below the girdle, or from below the horizon.",
+        ("position", "facet", "direction"),
+        "Rear light: what came in below the girdle, through a pavilion facet, or from below the horizon; by "
+        "default position where the girdle's lower edge is level, else facet.",
         metavar="RULE",
         rich_help_panel=MODEL,
     ),
@@ -209,7 +210,7 @@ class ModelOptions:
     """The rules that light is followed and counted by."""
 
     fresnel: Fresnel = None
-    rear: Rear = "position"
+    rear: Rear = None
     intensity: Intensity = "primary"
 
 
@@ -271,8 +272,8 @@ def trace_options(
         "fresnel": model.fresnel,
         "rear": model.rear,
         "intensity": model.intensity,
-        "tilt_deg": view.tilt,
-        "tilt_azimuth_deg": view.tilt_azimuth,
+        "tilt": view.tilt,
+        "tilt_azimuth": view.tilt_azimuth,
         "bound": engine.bound,
         "time_limit": engine.time,
         "memory_limit": engine.memory,
@@ -281,11 +282,10 @@ def trace_options(
 
 def view_and_model(stone: Stone, options: dict[str, Any]) -> tuple[View, Model]:
     """Return the view and the model that the options make of a stone."""
-    from gemrender.observation import Model, View
+    from gemrender.request import ShortForms, resolve
 
-    model = Model.of(stone, **{key: options[key] for key in ("fresnel", "rear", "intensity")})
-    view = View.of(stone, **{key: options[key] for key in ("resolution", "tilt_deg", "tilt_azimuth_deg")})
-    return view, model
+    short: Any = {key: options[key] for key in ShortForms.__annotations__ if key in options}
+    return resolve(stone, None, None, short)
 
 
 def prepare_engine(

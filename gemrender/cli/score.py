@@ -21,7 +21,7 @@ from gemrender.cli.stones import StoneOptions, load
 
 if TYPE_CHECKING:
     from gemrender.cli.stones import LoadedStones
-    from gemrender.score import Score
+    from gemrender.scoring import Score
 
 __all__ = ["score"]
 
@@ -69,8 +69,8 @@ def _scores(loaded: LoadedStones, options: dict[str, Any], out: str | None) -> I
     """Score the stones one after the other; with `out`, write their maps."""
     from gemrender.engines import observe
     from gemrender.report.files import file_stems, prepare_folder, write_observation
-    from gemrender.score import score as score_stone
-    from gemrender.score import score_observation
+    from gemrender.scoring import score as score_stone
+    from gemrender.scoring import score_observation
 
     folder = None if out is None else prepare_folder(out)
     stems = file_stems(loaded.names) if folder is not None else []

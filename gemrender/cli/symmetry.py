@@ -120,8 +120,8 @@ def symmetry(
 
 def _leave_out_defaults(options: dict[str, Any]) -> None:
     """Leave out options that journals of earlier versions do not have, where they ask for nothing."""
-    if not options["tilt_deg"]:
-        del options["tilt_deg"], options["tilt_azimuth_deg"]
+    if not options["tilt"]:
+        del options["tilt"], options["tilt_azimuth"]
     for key, default in (("time_limit", DEFAULT_TIME_LIMIT), ("memory_limit", DEFAULT_MEMORY_LIMIT)):
         if options[key] == default:
             del options[key]

@@ -199,7 +199,7 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
 
         # ---- Into the stone: refraction at the first surface ----
 
-        si = scene.ray_intersect(ray, active)
+        si = _first_hit(scene, ray, active)
         hit = active & si.is_valid()
         entry_facet, n, offset = _surface(si, hit)
         on_wall = _is_wall(n)
@@ -382,6 +382,22 @@ class _Path:
 
 
 # ---- Queries ----
+
+
+def _first_hit(scene: mi.Scene, ray: mi.Ray3f, active: mi.Bool) -> mi.SurfaceInteraction3f:
+    """Return where rays from outside meet the stone.
+
+    The ray tracer may miss both faces beside an edge that a ray meets exactly, as whole rows of pixels do,
+    and find the stone's far side or nothing: where rays a little to either side do not, one of them counts.
+    """
+    si = scene.ray_intersect(ray, active)
+    missed = active & (~si.is_valid() | (dr.dot(si.n, ray.d) >= 0))
+    aside = ASIDE * mi.Frame3f(ray.d).s
+    left, right = (mi.Ray3f(ray.o + side, ray.d, ray.time, ray.wavelengths) for side in (aside, -aside))
+    beside = scene.ray_intersect(left, missed)
+    leaks = missed & beside.is_valid()
+    leaks &= scene.ray_intersect(right, leaks).is_valid()
+    return dr.select(leaks, beside, si)
 
 
 def _query_start(p: mi.Point3d, d: mi.Vector3d, on_wall: mi.Bool, retries: mi.UInt32) -> mi.Point3f:

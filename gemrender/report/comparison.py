@@ -16,7 +16,7 @@ from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR,
 from gemrender.report.formats import format_csv, format_json, format_markdown
 from gemrender.report.lettering import name_fonts, save_png
 from gemrender.report.tables import band_name, how_text, model_text, score_record, score_table
-from gemrender.score import Score, score_observation
+from gemrender.scoring import Score, score_observation
 from gemrender.writing import write_whole
 
 if TYPE_CHECKING:

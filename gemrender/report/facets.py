@@ -18,7 +18,7 @@ from gemrender.report.displays.page import PAPER, Page
 from gemrender.report.displays.projection import Projection, look_at
 from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR
 from gemrender.report.tables import LEAST_SHOWN, band_name, how_text, model_text
-from gemrender.score import BAND_EDGES, FacetSizes, Score, score_measurement
+from gemrender.scoring import BAND_EDGES, FacetSizes, Score, score_measurement
 from gemrender.stone import Stone
 
 if TYPE_CHECKING:

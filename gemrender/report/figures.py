@@ -13,7 +13,7 @@ import gemrender
 from gemrender.observation import Observation, RayStatus
 from gemrender.report.lettering import boxes_for_letters, name_fonts, save_png
 from gemrender.report.tables import LEAST_SHOWN, band_name, how_text, model_text
-from gemrender.score import BAND_EDGES, Score, score_observation
+from gemrender.scoring import BAND_EDGES, Score, score_observation
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

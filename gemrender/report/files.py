@@ -18,7 +18,7 @@ import numpy as np
 import gemrender
 from gemrender.errors import InputError
 from gemrender.observation import MAP_CHANNELS, Observation
-from gemrender.score import score_observation
+from gemrender.scoring import score_observation
 from gemrender.writing import write_whole
 
 __all__ = ["check_folder", "file_stems", "prepare_folder", "write_exr", "write_observation"]

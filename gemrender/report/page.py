@@ -46,7 +46,7 @@ from gemrender.report.dimensions import dimensions
 from gemrender.report.displays.ray_colours import RAY_COLOURS
 from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR
 from gemrender.report.tables import LEAST_SHOWN, band_name, how_text, model_text
-from gemrender.score import Score, score_observation
+from gemrender.scoring import Score, score_observation
 from gemrender.stone import Stone, tessellate
 from gemrender.writing import write_whole
 

@@ -10,7 +10,7 @@ from typing import Any
 from gemrender.crosscheck import CrossCheck
 from gemrender.observation import bound_text
 from gemrender.report.formats import Cell, Column, TextTable
-from gemrender.score import Band, Score
+from gemrender.scoring import Band, Score
 
 #: Smallest share that is told of what should be nothing at all [%].
 LEAST_SHOWN = 1e-6

@@ -34,10 +34,12 @@ def mean_planes(vertices: np.ndarray, triangles: np.ndarray, facet: np.ndarray) 
     return np.column_stack([normals, (normals * middles).sum(axis=1)])
 
 
-def flat_facets(vertices: np.ndarray, triangles: np.ndarray, facet: np.ndarray) -> np.ndarray:
+def flat_facets(
+    vertices: np.ndarray, triangles: np.ndarray, facet: np.ndarray, tolerance: float = FLAT_TOLERANCE
+) -> np.ndarray:
     """Return the plane of each triangle, (f, 4) float64; those of a flat facet are its own, to the last bit.
 
-    Parameters as for `mean_planes`.
+    Parameters as for `mean_planes`; a facet is flat if its vertices lie this near its mean plane.
     """
     corners = vertices[triangles]
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -47,7 +49,7 @@ def flat_facets(vertices: np.ndarray, triangles: np.ndarray, facet: np.ndarray) 
     off = np.abs(np.einsum("ijk,ik->ij", corners, mean[:, :3]) - mean[:, 3:]).max(axis=1)
     largest = np.zeros(int(facet.max()) + 1)
     np.maximum.at(largest, facet, off)
-    flat = (largest <= FLAT_TOLERANCE)[facet]
+    flat = (largest <= tolerance)[facet]
     return np.where(flat[:, None], mean, planes)
 
 

@@ -15,12 +15,10 @@ from gemrender.errors import InputError
 
 __all__ = ["Polyhedron", "interior_point", "intersect"]
 
-#: Corners closer than this are one, and lie on every plane this near [share of the solid's size]: rounding.
+#: Neighbouring corners closer than this are one [share of the solid's size]: rounding.
 _SAME = 1e-10
-#: Polygons of a smaller area are rounding [share of the square of the solid's size].
-_LEAST_AREA = 1e-12
-#: Planes whose normals and offsets differ by less are one plane, given twice.
-_TWICE = 1e-9
+#: A corner this many times further away than planes are is at infinity: the solid is open.
+_OPEN = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -56,12 +54,34 @@ class Polyhedron:
     @cached_property
     def crosses(self) -> np.ndarray:
         """(p, 3) float64: the areas of the polygons, along their normals."""
-        return _crosses(self.vertices, self.corners, self.starts)
+        first, a, b = (self.vertices[k] for k in self._fans())
+        plane = np.repeat(np.arange(len(self.planes)), np.diff(self.starts))
+        cross = np.cross(a - first, b - first)
+        return 0.5 * np.column_stack([np.bincount(plane, cross[:, k], len(self.planes)) for k in range(3)])
 
     @cached_property
     def areas(self) -> np.ndarray:
         """(p,) float64: areas of the polygons."""
         return np.asarray(np.einsum("ij,ij->i", self.crosses, self.planes[:, :3]))
+
+    @cached_property
+    def middles(self) -> np.ndarray:
+        """(p, 3) float64: the middle of each polygon's area; nan of planes that bound nothing."""
+        first, a, b = self._fans()
+        plane = np.repeat(np.arange(len(self.planes)), np.diff(self.starts))
+        about, p, q = (self.vertices[k] for k in (first, a, b))
+        area = np.einsum("ij,ij->i", np.cross(p - about, q - about), self.planes[plane, :3])
+        sums = [np.bincount(plane, area * (about + p + q)[:, k], len(self.planes)) for k in range(3)]
+        with np.errstate(invalid="ignore"):
+            return np.column_stack(sums) / (6.0 * self.areas[:, None])
+
+    def _fans(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return each polygon's first vertex, its vertices, and those that follow them, each (c,)."""
+        plane = np.repeat(np.arange(len(self.planes)), np.diff(self.starts))
+        here = np.arange(len(self.corners))
+        first = self.starts[:-1][plane]
+        following = np.where(here + 1 == self.starts[1:][plane], first, here + 1)
+        return self.corners[first], self.corners, self.corners[following]
 
     @property
     def volume(self) -> float:
@@ -72,24 +92,16 @@ class Polyhedron:
     def edges(self) -> np.ndarray:
         """(e, 4) int64: both vertices of each edge, and the planes to its left and right from outside."""
         plane = np.repeat(np.arange(len(self.planes)), np.diff(self.starts))
-        last = self.starts[1:][plane] - 1
-        here = np.arange(len(self.corners))
-        following = np.where(here == last, self.starts[:-1][plane], here + 1)
-        a, b = self.corners, self.corners[following]
+        _, a, b = self._fans()
         key = np.minimum(a, b) * len(self.vertices) + np.maximum(a, b)
         order = np.lexsort([a > b, key])
-        a, b, plane, key = a[order], b[order], plane[order], key[order]
-        pairs = np.flatnonzero(key[:-1] == key[1:])
-        return np.column_stack([a[pairs], b[pairs], plane[pairs], plane[pairs + 1]])
+        left, right = order[::2], order[1::2]
+        return np.column_stack([a[left], b[left], plane[left], plane[right]])
 
     @cached_property
     def centroid(self) -> np.ndarray:
         """(3,) float64: the middle of its volume."""
-        corner, nxt = self.corners, np.roll(self.corners, -1)
-        plane = np.repeat(np.arange(len(self.planes)), np.diff(self.starts))
-        first = self.starts[:-1][plane]
-        inner = np.arange(len(corner)) + 1 < self.starts[1:][plane]
-        a, b, c = (self.vertices[k[inner]] for k in (corner[first], corner, nxt))
+        a, b, c = (self.vertices[k] for k in self._fans())
         volumes = np.einsum("ij,ij->i", a, np.cross(b, c))
         return np.asarray((volumes @ (a + b + c)) / (4.0 * volumes.sum()))
 
@@ -107,7 +119,7 @@ def intersect(planes: np.ndarray) -> Polyhedron:
     InputError
         The planes do not close, or enclose nothing.
     """
-    from scipy.spatial import ConvexHull, QhullError, cKDTree
+    from scipy.spatial import ConvexHull, QhullError
 
     planes = np.asarray(planes, dtype=np.float64)
     inside = interior_point(planes)
@@ -117,17 +129,13 @@ def intersect(planes: np.ndarray) -> Polyhedron:
     except QhullError as error:
         raise InputError("the planes do not close: they enclose no solid") from error
     away = hull.equations[:, 3]
-    if not (away < -1e-9 * np.abs(hull.points).max()).all():
+    if not (away < -_OPEN * np.abs(hull.points).max()).all():
         raise InputError("the planes do not close: the solid is open")
     points = -hull.equations[:, :3] / away[:, None]
-    size = float(np.ptp(points, axis=0).max())
-    if not np.isfinite(size):
-        raise InputError("the planes do not close: the solid is open")
-    vertices = _merged(points, _SAME * size, cKDTree) + inside
-    on = np.abs(vertices @ planes[:, :3].T - planes[:, 3]) <= 2 * _SAME * size
-    on[:, ~_first_of_twins(planes, size, cKDTree)] = False
-    plane, vertex = np.nonzero(on.T)
-    return _polygons(planes, vertices, plane, vertex, _LEAST_AREA * size * size)
+    label = _one_each(points, hull.neighbors, _SAME * float(np.ptp(points, axis=0).max()))
+    number = np.bincount(label)
+    vertices = np.column_stack([np.bincount(label, points[:, k]) / number for k in range(3)]) + inside
+    return _polygons(planes, vertices, label, _oriented(hull.simplices, hull.neighbors))
 
 
 def interior_point(planes: np.ndarray) -> np.ndarray:
@@ -155,65 +163,68 @@ def interior_point(planes: np.ndarray) -> np.ndarray:
     return np.asarray(found.x[:3])
 
 
-def _merged(points: np.ndarray, near: float, tree_type: type) -> np.ndarray:
-    """Return the points (n, 3) with those that are near each other made one, their mean."""
+def _one_each(points: np.ndarray, neighbours: np.ndarray, near: float) -> np.ndarray:
+    """Return a number for each corner (n, 3), one for neighbours that are near each other, (n,) int."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    pairs = tree_type(points).query_pairs(near, output_type="ndarray")
-    links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(points),) * 2)
-    count, label = connected_components(links, directed=False)
-    number = np.bincount(label, minlength=count)
-    return np.column_stack([np.bincount(label, points[:, k], count) / number for k in range(3)])
+    one, other = np.repeat(np.arange(len(points)), 3), neighbours.reshape(-1)
+    short = (one < other) & (np.linalg.norm(points[one] - points[other], axis=1) <= near)
+    links = coo_array((short[short], (one[short], other[short])), shape=(len(points),) * 2)
+    return np.asarray(connected_components(links, directed=False)[1])
 
 
-def _first_of_twins(planes: np.ndarray, size: float, tree_type: type) -> np.ndarray:
-    """Return which planes (p, 4) are not given before them, (p,) bool."""
-    scaled = np.column_stack([planes[:, :3], planes[:, 3] / size])
-    pairs = tree_type(scaled).query_pairs(_TWICE, output_type="ndarray")
-    first = np.ones(len(planes), dtype=bool)
-    first[pairs.max(axis=1, initial=-1) if len(pairs) else []] = False
-    return first
+def _oriented(simplices: np.ndarray, neighbours: np.ndarray) -> np.ndarray:
+    """Return the hull's triangles (n, 3) wound alike, by their connections, not by rounding."""
+    triangles, beside = simplices.tolist(), neighbours.tolist()
+    known = [False] * len(triangles)
+    known[0], waiting = True, [0]
+    while waiting:
+        here = waiting.pop()
+        a, b, c = triangles[here]
+        for other, (start, end) in zip(beside[here], ((b, c), (c, a), (a, b)), strict=True):
+            if known[other]:
+                continue
+            known[other] = True
+            waiting.append(other)
+            ring = triangles[other]
+            at = ring.index(start)
+            if ring[(at + 1) % 3] == end:  # runs along the shared edge in the same sense
+                ring[1], ring[2] = ring[2], ring[1]
+                beside[other][1], beside[other][2] = beside[other][2], beside[other][1]
+    return np.array(triangles)
 
 
 def _polygons(
-    planes: np.ndarray, vertices: np.ndarray, plane: np.ndarray, vertex: np.ndarray, least_area: float
+    planes: np.ndarray, vertices: np.ndarray, label: np.ndarray, triangles: np.ndarray
 ) -> Polyhedron:
-    """Put the vertices on each plane in order; drop planes that bound nothing, and corners of none."""
-    p = len(planes)
-    count = np.bincount(plane, minlength=p)
-    middle = np.column_stack([np.bincount(plane, vertices[vertex, k], p) for k in range(3)])
-    middle /= np.maximum(count, 1)[:, None]
-    n = planes[:, :3]
-    u = np.cross(n, np.eye(3)[np.abs(n).argmin(axis=1)])
-    u /= np.linalg.norm(u, axis=1, keepdims=True)
-    v = np.cross(n, u)
-    to = vertices[vertex] - middle[plane]
-    angle = np.arctan2(np.einsum("ij,ij->i", to, v[plane]), np.einsum("ij,ij->i", to, u[plane]))
-    order = np.lexsort([angle, plane])
-    plane, vertex = plane[order], vertex[order]
-    starts = np.concatenate([[0], np.cumsum(count)])
-    areas = np.einsum("ij,ij->i", _crosses(vertices, vertex, starts), n)
-    keep = ((count > 2) & (areas > least_area))[plane]
-    plane, vertex = plane[keep], vertex[keep]
-    used, vertex = np.unique(vertex, return_inverse=True)
-    return Polyhedron(
-        planes=planes,
-        vertices=vertices[used],
-        corners=vertex,
-        starts=np.concatenate([[0], np.cumsum(np.bincount(plane, minlength=p))]),
+    """Walk round each plane's point on the dual hull: the triangles there are its corners, in order."""
+    ahead: list[dict[int, tuple[int, int]]] = [{} for _ in planes]
+    for number, (a, b, c) in zip(label.tolist(), triangles.tolist(), strict=True):
+        ahead[a][b], ahead[b][c], ahead[c][a] = (c, number), (a, number), (b, number)
+    corners: list[int] = []
+    starts = [0]
+    for ring in ahead:
+        polygon: list[int] = []
+        start = at = next(iter(ring), -1)
+        while ring:
+            at, number = ring.pop(at)
+            if not polygon or polygon[-1] != number:
+                polygon.append(number)
+            if at == start:
+                break
+        if len(polygon) > 1 and polygon[0] == polygon[-1]:
+            polygon.pop()
+        corners += polygon if len(polygon) > 2 else []
+        starts.append(len(corners))
+    used, numbers = np.unique(corners, return_inverse=True)
+    body = Polyhedron(
+        planes=planes, vertices=vertices[used], corners=numbers.reshape(-1), starts=np.array(starts)
     )
-
-
-def _crosses(vertices: np.ndarray, corners: np.ndarray, starts: np.ndarray) -> np.ndarray:
-    """Areas of polygons along their normals, (p, 3): half the sum of the cross products of neighbours."""
-    p = len(starts) - 1
-    plane = np.repeat(np.arange(p), np.diff(starts))
-    if not len(plane):
-        return np.zeros((p, 3))
-    here = np.arange(len(corners))
-    following = np.where(here + 1 == starts[1:][plane], starts[:-1][plane], here + 1)
-    about = vertices[corners[starts[:-1][plane]]]
-    a, b = vertices[corners] - about, vertices[corners[following]] - about
-    cross = np.cross(a, b)
-    return 0.5 * np.column_stack([np.bincount(plane, cross[:, k], p) for k in range(3)])
+    if body.areas.sum() < 0:  # wound clockwise
+        plane = np.repeat(np.arange(len(planes)), np.diff(body.starts))
+        order = np.lexsort([-np.arange(len(numbers)), plane])
+        body = Polyhedron(
+            planes=planes, vertices=body.vertices, corners=body.corners[order], starts=body.starts
+        )
+    return body

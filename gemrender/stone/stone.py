@@ -252,12 +252,11 @@ class Stone:
 
     @cached_property
     def _middles(self) -> np.ndarray:
-        """The mean of the corners of each plane facet, (m, 3)."""
+        """The middle of each plane facet's area, (m, 3)."""
         solid = self.solid
         assert isinstance(solid, ConvexSolid)
-        body = solid.polyhedron
-        facet = np.repeat(solid.facet, np.diff(body.starts)[: len(solid.facet)])
-        corners = body.vertices[body.corners[: len(facet)]]
-        count = np.bincount(facet)
-        middles = np.column_stack([np.bincount(facet, corners[:, k]) for k in range(3)]) / count[:, None]
-        return middles[: len(self.facet_normals)]
+        body, n = solid.polyhedron, len(solid.planes)
+        areas = body.areas[:n]
+        moments = np.nan_to_num(body.middles[:n]) * areas[:, None]
+        total = np.column_stack([np.bincount(solid.facet, moments[:, k]) for k in range(3)])
+        return (total / np.bincount(solid.facet, areas)[:, None])[: len(self.facet_normals)]

@@ -20,7 +20,7 @@ from gemrender.cuts import stone_from_vertices
 from gemrender.engines import DEFAULT_ENGINE, DEFAULT_VARIANT, engine_for, require_engine
 from gemrender.errors import InputError
 from gemrender.journal import Journal
-from gemrender.stone import Stone
+from gemrender.stone import ConvexSolid, Stone
 from gemrender.sweep.workers import LostProcessError, in_processes
 
 __all__ = ["MOST_DRAWS", "SymmetryStudy", "check_study", "draw_stone", "study_symmetry"]
@@ -103,7 +103,8 @@ def draw_stone(stone: Stone, tilt_deg: float, jitter: float, seed: int, number: 
                 moved = stone.vertices + rng.normal(0.0, jitter, stone.vertices.shape)
                 return stone_from_vertices(moved, name=stone.name, material=stone.material)
             drawn = stone.tilted(tilt_deg, rng)
-            drawn.solid.cut(32)  # fails where nothing is left
+            if isinstance(drawn.solid, ConvexSolid):
+                drawn.solid.cut(32)  # fails where nothing is left
         except InputError as error:
             last = error
         else:
@@ -163,7 +164,7 @@ def study_symmetry(
         "tilt_deg": tilt_deg,
         "jitter": jitter,
         "seed": seed,
-        "options": options,
+        "options": {**options, "rear": options.get("rear") or stone.rear_rule},
     }
     with contextlib.ExitStack() as stack:
         kept = None
@@ -253,7 +254,7 @@ def _score_batch(
     threads: int | None,
     numbers: list[int],
 ) -> list[tuple[int, tuple[float, float]]]:
-    from gemrender.score import score
+    from gemrender.scoring import score
 
     if threads is not None and engine_for(options.get("engine", DEFAULT_ENGINE), stone) == "mitsuba":
         require_engine("mitsuba", options.get("variant", DEFAULT_VARIANT))

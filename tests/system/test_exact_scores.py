@@ -26,7 +26,7 @@ from gemrender.cuts.random import random_brilliant
 from gemrender.engines import observe
 from gemrender.observation import Model
 from gemrender.reference import trace_paths
-from gemrender.score import score_pixels
+from gemrender.scoring import score_pixels
 
 #: Girdles above this [%] are nowhere so thin that crown and pavilion meet within the circle.
 THICK = 3.0
@@ -98,8 +98,8 @@ OPTIONS = {
     "exact Fresnel": {"fresnel": "exact"},
     "rear by direction": {"rear": "direction"},
     "radiance": {"intensity": "radiance"},
-    "tilted": {"tilt_deg": 25.0, "tilt_azimuth_deg": 40.0},
-    "much tilted": {"tilt_deg": 70.0, "tilt_azimuth_deg": -10.0, "rear": "direction"},
+    "tilted": {"tilt": 25.0, "tilt_azimuth": 40.0},
+    "much tilted": {"tilt": 70.0, "tilt_azimuth": -10.0, "rear": "direction"},
 }
 
 

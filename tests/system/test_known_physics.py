@@ -26,7 +26,7 @@ from gemrender.optics.fresnel import brewster_angle_deg, reflectance
 from gemrender.scene import stone_scene
 from gemrender.scene.generator import dielectric, film
 from gemrender.scene.mesh import FACET_ATTRIBUTE, NORMAL_ATTRIBUTES, OFFSET_ATTRIBUTES
-from gemrender.score import score_observation
+from gemrender.scoring import score_observation
 
 SAMPLES = ["inoue-1", "inoue-2", "inoue-3"]
 INDEX = 2.4173

@@ -27,7 +27,7 @@ from gemrender.observation import Observation, RayStatus
 from gemrender.reference import observe, trace_paths
 from gemrender.reference.path import RayPath
 from gemrender.report.page import INTENSITY_STEPS, MAP_PIXELS, MOST_STONES, report_html, write_report
-from gemrender.score import score_observation
+from gemrender.scoring import score_observation
 from gemrender.stone import Stone
 
 #: Pixels a side of the maps.

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from beam_help import RIM_SIDES, TOLD_AREA, gem, girdle_heavy_brilliant
 from exact_tolerances import TILING
+from gemrender.beam.wall import is_outside, wall_crossing, wall_normal, wall_of
 from physics_tolerances import ROUNDED_ANGLE, ROUNDING
 from solids import bent_stone
 
@@ -17,14 +18,13 @@ from gemrender.beam.measure import BOUND_RANGE, facet_sums
 from gemrender.beam.near_girdle import NearGirdle
 from gemrender.beam.polygons import area, clip
 from gemrender.beam.rays import BANDS, INTENSITY, MET, REAR
-from gemrender.beam.wall import is_outside, wall_crossing, wall_normal, wall_of
 from gemrender.cuts import RoundBrilliant, load_stone, stone_from_vertices
 from gemrender.cuts.random import random_brilliant
 from gemrender.engines import engine_for, observe, require_engine
 from gemrender.errors import InputError
 from gemrender.observation import Model, View
 from gemrender.optics.fresnel import transmittance
-from gemrender.score import BAND_EDGES, score
+from gemrender.scoring import BAND_EDGES, score
 
 INDEX = 2.4173
 LAWS = {"exact": EXACT, "gubelin": GUBELIN}

@@ -22,7 +22,7 @@ from gemrender.errors import InputError
 from gemrender.observation import MAP_TYPES, Model, View, bound_text
 from gemrender.report.formats import print_tables
 from gemrender.report.tables import score_table
-from gemrender.score import score, score_measurement
+from gemrender.scoring import score, score_measurement
 from gemrender.stone import Stone
 
 STONE = load_stone("inoue-2")

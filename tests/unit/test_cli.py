@@ -79,7 +79,7 @@ BAD_INPUT = {
     f"{SCORE} --bound x": "--bound = 'x': must be a finite number of per cent",
     f"{SCORE} --bound 0": "--bound = 0.0: must be from 0.0001 to 10 [%]",
     f"{SCORE} --engine exact --bound -1": "--bound = -1.0: must be from 0.0001 to 10 [%]",
-    "score hollow.csv --engine exact": "hollow.csv: is hollow beside facet ",
+    "score hollow.csv --engine exact": "hollow.csv: is not convex; the exact engine traces convex stones",
     "sensitivity": "STONE: missing: stone files, or names of bundled stones",
     "sensitivity hollow.csv": "hollow.csv: has no proportions to differentiate by",
     "sensitivity inoue-1 hollow.csv --out x": "hollow.csv: has no proportions to differentiate by",
@@ -105,7 +105,7 @@ BAD_INPUT = {
     f"{SCORE} --tilt-azimuth nan": "--tilt-azimuth = 'nan': must be a finite number of degrees",
     f"{SCORE} --tilt-azimuth 1e999": "--tilt-azimuth = '1e999': must be a finite number of degrees",
     f"{SCORE} --fresnel table": "--fresnel = 'table': must be one of gubelin, exact",
-    f"{SCORE} --rear below": "--rear = 'below': must be one of position, direction",
+    f"{SCORE} --rear below": "--rear = 'below': must be one of position, facet, direction",
     f"{SCORE} --intensity bright": "--intensity = 'bright': must be one of primary, radiance",
     "score inoue-1 sapphire.toml --fresnel gubelin": "--fresnel = 'gubelin': Gübelin's table holds for "
     "diamond (index 2.4173) only",

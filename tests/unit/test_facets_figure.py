@@ -33,7 +33,7 @@ from gemrender.report.facets import (
     facets_figure,
 )
 from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR
-from gemrender.score import BAND_EDGES, score
+from gemrender.scoring import BAND_EDGES, score
 from gemrender.stone import Stone
 
 #: Shares are written with one decimal, or more.
@@ -147,7 +147,7 @@ def test_the_number_that_is_written_is_that_of_the_polygons_and_of_the_score(key
     name, tilt = VIEWS[key]
     number = len(polygons(drawn(key)).get_paths())
     assert f"{number} virtual facets" in texts(drawn(key))
-    result = score(stone_named(name), engine="exact", tilt_deg=tilt, tilt_azimuth_deg=25.0)
+    result = score(stone_named(name), engine="exact", tilt=tilt, tilt_azimuth=25.0)
     assert result.facets.number == number
 
 
@@ -204,7 +204,7 @@ def test_shares_are_those_of_the_score_where_hardly_any_light_comes_near_the_gir
 
 def test_scores_are_written_with_their_bound(key):
     name, tilt = VIEWS[key]
-    result = score(stone_named(name), engine="exact", tilt_deg=tilt, tilt_azimuth_deg=25.0)
+    result = score(stone_named(name), engine="exact", tilt=tilt, tilt_azimuth=25.0)
     said = [text.get_text() for text in drawn(key).axes[1].texts]
     for heading, value in (("Average", result.average), ("Rear", result.rear)):
         written, bound = said[said.index(heading) + 1 :][:2]

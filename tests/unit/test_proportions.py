@@ -19,7 +19,6 @@ from gemrender.cuts.round_brilliant.topology import (
     GIRDLE_UPPER,
     STAR_TIP,
     TABLE_CORNER,
-    TRIANGLE_FACET,
     VERTEX_LABELS,
 )
 from gemrender.errors import InputError
@@ -143,9 +142,10 @@ def test_normals_are_outward_unit_vectors(stone):
     assert ((stone.facet_normals[:, 2] > 0) == upwards).all()
 
 
-def test_flat_facets_triangles_have_the_facets_plane_to_the_last_bit(stone):
-    assert (stone.triangle_normals == stone.facet_normals[TRIANGLE_FACET]).all()
-    assert (stone.triangle_offsets == stone.facet_offsets[TRIANGLE_FACET]).all()
+def test_every_vertex_of_a_facet_lies_on_its_plane(stone):
+    for facet, polygon in enumerate(FACET_POLYGONS):
+        distance = stone.vertices[list(polygon)] @ stone.facet_normals[facet] - stone.facet_offsets[facet]
+        assert np.abs(distance).max() < PLANE
 
 
 def test_58_facets_of_the_right_kinds():

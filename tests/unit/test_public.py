@@ -82,8 +82,8 @@ def test_the_import_of_both_sets_no_variant():
 @pytest.mark.parametrize(
     "statement",
     [
-        "import gemrender.score",
-        "from gemrender.score import Score",
+        "import gemrender.scoring",
+        "from gemrender.scoring import Score",
         "import gemrender.crosscheck",
         "import gemrender.cli",
         "import gemrender.engines; gemrender.load_stone('inoue-1')",

@@ -22,7 +22,7 @@ from gemrender.observation import MAP_CHANNELS, MAP_TYPES, PATH_CODE_MASK, RaySt
 from gemrender.report import figures
 from gemrender.report.files import file_stems, prepare_folder, write_exr, write_observation
 from gemrender.report.lettering import boxes_for_letters
-from gemrender.score import BAND_EDGES, score_observation
+from gemrender.scoring import BAND_EDGES, score_observation
 
 #: Least difference of two colours of the picture (CIEDE2000), for eyes with and without colour blindness:
 #: about ten just noticeable differences, told apart without looking twice.

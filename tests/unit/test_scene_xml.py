@@ -86,10 +86,10 @@ def test_a_scene_renders_alike_in_every_variant(tmp_path, variants_all):
 
 def test_all_options_survive(tmp_path, variant_llvm_ad_mono):
     stone = Stone.from_proportions(STONE.proportions, name="a sapphire", material="sapphire")
-    tilt = {"tilt_deg": 20.5, "tilt_azimuth_deg": -33.3}
-    rules = {"fresnel": "exact", "rear": "direction", "intensity": "radiance"}
-    path = write_scene(tmp_path, "stone", stone, View.of(stone, 64, **tilt), Model.of(stone, **rules))
-    assert_renders_as(path, gemrender.observe(stone, engine="mitsuba", resolution=64, **tilt, **rules))
+    view = View.of(stone, 64, tilt_deg=20.5, tilt_azimuth_deg=-33.3)
+    model = Model.of(stone, fresnel="exact", rear="direction", intensity="radiance")
+    path = write_scene(tmp_path, "stone", stone, view, model)
+    assert_renders_as(path, gemrender.observe(stone, engine="mitsuba", view=view, model=model))
 
 
 def test_names_may_be_of_any_script(tmp_path, variant_llvm_ad_mono):

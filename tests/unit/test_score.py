@@ -12,7 +12,7 @@ from observations import SHARE, STONE, observation
 import gemrender
 from gemrender.errors import InputError
 from gemrender.observation import RayStatus
-from gemrender.score import BAND_EDGES, score_observation
+from gemrender.scoring import BAND_EDGES, score_observation
 
 MISSED, EXITED, TRAPPED, LOST = RayStatus
 
@@ -110,13 +110,13 @@ def test_the_json_holds_a_band_as_from_to_share():
 
 
 def test_numbers_of_numpy_go_into_json():
-    score = gemrender.score(STONE, engine="reference", resolution=np.int64(8), tilt_deg=np.float32(5))
+    score = gemrender.score(STONE, engine="reference", resolution=np.int64(8), tilt=np.float32(5))
     assert json.loads(json.dumps(score.to_dict()))["resolution"] == 8
 
 
 def test_what_was_asked_for_is_on_record():
     score = gemrender.score(
-        STONE, engine="reference", resolution=8, tilt_deg=5, tilt_azimuth_deg=-30,
+        STONE, engine="reference", resolution=8, tilt=5, tilt_azimuth=-30,
         fresnel="exact", rear="direction", intensity="radiance",
     )  # fmt: skip
     assert (score.name, score.engine, score.variant, score.resolution) == (STONE.name, "reference", "", 8)
@@ -132,7 +132,7 @@ def test_what_was_asked_for_is_on_record():
         ({"engine": "reference", "variant": "scalar_rgb"}, "variant = 'scalar_rgb': must be one of "),
         ({"engine": "mitsuba", "variant": "mono"}, "variant = 'mono': must be one of llvm_ad_rgb, "),
         ({"resolution": 0}, "resolution = 0: must be from 1 to 16384"),
-        ({"tilt_deg": float("nan")}, "tilt = nan: must be from 0 to below 90"),
+        ({"tilt": float("nan")}, "tilt = nan: must be from 0 to below 90"),
     ],
 )
 def test_bad_options_are_refused_with_what_is_allowed(options, words):

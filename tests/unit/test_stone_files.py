@@ -124,7 +124,7 @@ def test_bundled_stones_are_found_in_an_installed_package(tmp_path):
     ignore = shutil.ignore_patterns("__pycache__")
     shutil.copytree(Path(gemrender.__file__).parent, "site/gemrender", ignore=ignore)
     shutil.copytree(SCENES, "site/gemrender/scenes", ignore=ignore)
-    code = "from gemrender.stone import *; print(len(bundled_stones()), load_stone('inoue-3').source)"
+    code = "from gemrender.cuts import *; print(len(bundled_stones()), load_stone('inoue-3').source)"
     run = subprocess.run(
         [sys.executable, "-c", code],
         env=os.environ | {"PYTHONPATH": str(tmp_path / "site")},
@@ -196,7 +196,7 @@ def test_name_from_a_file_that_is_no_text_can_be_printed():
 def test_ways_to_write_text(encode):
     assert load_stone(write(encode(PROPORTIONS))).name == "A stone"
     text = "\n".join(csv_lines()) + "\n"
-    assert load_stone(write(encode(text), "measured.csv")).girdle.is_round
+    assert load_stone(write(encode(text), "measured.csv")).is_round
 
 
 @pytest.mark.parametrize(

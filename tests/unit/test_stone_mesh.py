@@ -4,17 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from solids import assert_closed, half_space_volume, mesh_volume, scalloped_volume
-from tolerances import (
-    CORNER_NORMAL,
-    MEASURED_WALL,
-    MESH_VOLUME,
-    PLANE,
-    QUADRATURE_VOLUME,
-    ROUNDING,
-    SAGITTA,
-    WALL_BEND,
-)
+from solids import assert_closed, bent_stone, half_space_volume, mesh_volume, scalloped_volume
+from tolerances import MESH_VOLUME, PLANE, QUADRATURE_VOLUME, ROUNDING, SAGITTA
 
 from gemrender.cuts import RoundBrilliant, bundled_stones, load_stone, stone_from_vertices
 from gemrender.cuts.round_brilliant.topology import (
@@ -24,12 +15,12 @@ from gemrender.cuts.round_brilliant.topology import (
     GIRDLE_UPPER,
     LOWER_GIRDLE_FACETS,
     N_VERTICES,
-    TRIANGLE_FACET,
+    STAR_TIP,
     TRIANGLES,
     UPPER_GIRDLE_FACETS,
 )
-from gemrender.stone import Stone, tessellate
-from gemrender.stone.mesh import ARC_SEGMENTS
+from gemrender.stone import MeshSolid, Stone, tessellate
+from gemrender.stone.solid import ROUND_PIECES
 
 SAMPLE = {
     "table": 54.0,
@@ -42,6 +33,10 @@ SAMPLE = {
 #: Girdle thicknesses [%] where the scallops cross (0, 1) and where they do not.
 THICKNESSES = [0.0, 0.01, 0.5, 1.0, 2.5, 5.0, 10.0]
 
+#: What a prism of 64 sides and the cylinder of the same section differ by in volume [girdle radius^3]: the
+#: section's edge moves by 8e-4, to and fro, under heights that change by as much.
+PRISM_VOLUME = 1e-4
+
 
 def sample(**other: float) -> Stone:
     return Stone.from_proportions(RoundBrilliant(**SAMPLE | other))
@@ -52,10 +47,18 @@ def measured(rng: np.random.Generator, scale: float) -> Stone:
     return stone_from_vertices(sample().vertices + rng.normal(scale=scale, size=(N_VERTICES, 3)))
 
 
-def edge_points(stone: Stone) -> tuple[np.ndarray, np.ndarray]:
-    """The mesh's upper and lower girdle edge between the girdle vertices, each (16, ARC_SEGMENTS - 1, 3)."""
-    inner = tessellate(stone).vertices[N_VERTICES:].reshape(2, 16, ARC_SEGMENTS - 1, 3)
-    return inner[0], inner[1]
+def wall_edges(stone: Stone) -> tuple[np.ndarray, np.ndarray]:
+    """The corners of a round girdle's upper and lower edge, each (k, 3)."""
+    mesh = tessellate(stone)
+    wall = mesh.face_facet == GIRDLE
+    corners = mesh.vertices[np.unique(mesh.faces[wall])]
+    on = [
+        np.unique(mesh.faces[np.isin(mesh.face_facet, f)]) for f in (UPPER_GIRDLE_FACETS, LOWER_GIRDLE_FACETS)
+    ]
+    both = np.unique(mesh.faces[wall])
+    upper, lower = (mesh.vertices[np.intersect1d(both, facets)] for facets in on)
+    assert len(np.unique(np.concatenate([upper, lower]), axis=0)) == len(corners)
+    return upper, lower
 
 
 # ---- Closed --------------------------------------------------------------------------------------------
@@ -74,12 +77,13 @@ def test_girdle_of_any_thickness_is_closed(thickness):
 @pytest.mark.parametrize("scale", [1e-9, 1e-6, 1e-4, 1e-3])
 def test_measured_stone_is_closed(rng, scale):
     stone = measured(rng, scale)
-    assert not stone.girdle.is_round
+    assert not stone.is_round
     mesh = tessellate(stone)
     assert_closed(mesh)
-    # Moving the surface (its area is some 7) by this much changes the volume by less than their product.
+    # Moving the surface (its area is some 7) by this much changes the volume by less than their product. The
+    # outline has its area, but corners: cylinder and prism differ by 1e-3 near their edges.
     assert mesh_volume(mesh) == pytest.approx(
-        half_space_volume(RoundBrilliant(**SAMPLE)), abs=7 * scale + MESH_VOLUME + QUADRATURE_VOLUME
+        half_space_volume(RoundBrilliant(**SAMPLE)), abs=7 * scale + PRISM_VOLUME + QUADRATURE_VOLUME
     )
 
 
@@ -88,21 +92,11 @@ def test_measured_stone_with_a_thin_girdle_is_closed(rng):
     assert_closed(tessellate(stone_from_vertices(vertices)))
 
 
-@pytest.mark.parametrize("segments", [2, 8, 128])
-def test_any_number_of_arc_pieces_is_closed(segments):
-    mesh = tessellate(sample(), segments)
+@pytest.mark.parametrize("pieces", [32, 128, 2048])
+def test_a_round_girdle_of_any_number_of_pieces_is_closed(pieces):
+    mesh = tessellate(sample(), pieces)
     assert_closed(mesh)
-    assert len(mesh.faces) == 78 + 64 * segments - 32
-
-
-def test_topology_is_the_same_for_every_stone(rng):
-    meshes = [
-        tessellate(s) for s in (load_stone("inoue-1"), sample(girdle_thickness=0.0), measured(rng, 1e-3))
-    ]
-    for mesh in meshes[1:]:
-        assert (mesh.faces == meshes[0].faces).all()
-        assert (mesh.face_facet == meshes[0].face_facet).all()
-        assert len(mesh.split()[0]) == len(meshes[0].split()[0])
+    assert np.count_nonzero(mesh.face_facet == GIRDLE) == 2 * pieces
 
 
 # ---- The solid -----------------------------------------------------------------------------------------
@@ -135,7 +129,7 @@ def test_volume_in_closed_form(name):
     a, b, c = stone.vertices[triangles].transpose(1, 0, 2)
     exact = scalloped_volume(stone.proportions, float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6))
     assert half_space_volume(stone.proportions) == pytest.approx(exact, abs=QUADRATURE_VOLUME)
-    lacking = [exact - mesh_volume(tessellate(stone, n)) for n in (16, 32, 64)]
+    lacking = [exact - mesh_volume(tessellate(stone, n)) for n in (256, 512, 1024)]
     assert lacking[0] / lacking[1] == pytest.approx(4, rel=0.01)
     assert lacking[1] / lacking[2] == pytest.approx(4, rel=0.01)
     assert 0 < lacking[2] < MESH_VOLUME
@@ -164,63 +158,51 @@ def test_faces_of_a_facet_lie_on_its_plane_and_face_outwards(thickness):
     )  # zero where scallops cross
 
 
-def test_facets_have_the_area_of_their_triangles_and_scallops(rng):
-    """The facet number of a face: the 78 triangles come first, and only girdle facets have more faces."""
-    mesh = tessellate(measured(rng, 1e-4))
-    assert (mesh.face_facet[: len(TRIANGLES)] == TRIANGLE_FACET).all()
-    assert (mesh.faces[: len(TRIANGLES)] == TRIANGLES).all()
-    more = np.bincount(mesh.face_facet[len(TRIANGLES) :], minlength=58)
-    expected = {
-        "upper_girdle": ARC_SEGMENTS - 1,
-        "lower_girdle": ARC_SEGMENTS - 1,
-        "girdle": 32 * ARC_SEGMENTS,
-    }
-    assert more.tolist() == [expected.get(kind, 0) for kind in FACET_KINDS]
+def test_volume_of_the_solid_is_that_of_a_round_girdle():
+    stone = sample()
+    assert stone.solid.volume == pytest.approx(half_space_volume(stone.proportions), abs=QUADRATURE_VOLUME)
+
+
+def test_areas_of_facets_are_those_of_their_faces(rng):
+    stone = measured(rng, 1e-4)
+    mesh = tessellate(stone)
+    a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
+    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+    by_facet = np.bincount(mesh.face_facet, areas, minlength=len(FACET_KINDS))
+    np.testing.assert_allclose(stone.solid.areas, by_facet, rtol=0, atol=PLANE)
 
 
 # ---- The girdle ----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["inoue-1", "inoue-2", "inoue-3", "gia-excellent"])
-def test_scalloped_edges_lie_on_plane_and_cylinder(name):
+def test_scalloped_edges_lie_on_planes_and_cylinder(name):
     stone = load_stone(name)
-    for points, facets in zip(edge_points(stone), (UPPER_GIRDLE_FACETS, LOWER_GIRDLE_FACETS), strict=True):
-        assert np.abs(np.hypot(points[..., 0], points[..., 1]) - 1).max() < ROUNDING
-        distance = np.einsum("ijk,ik->ij", points, stone.facet_normals[facets])
-        assert np.abs(distance - stone.facet_offsets[facets, None]).max() < PLANE
+    for points, facets in zip(wall_edges(stone), (UPPER_GIRDLE_FACETS, LOWER_GIRDLE_FACETS), strict=True):
+        assert len(points) == ROUND_PIECES
+        assert np.abs(np.hypot(points[:, 0], points[:, 1]) - 1).max() < PLANE
+        distance = points @ stone.facet_normals[facets].T - stone.facet_offsets[facets]
+        assert np.abs(distance).min(axis=1).max() < PLANE
 
 
 def test_scallops_make_the_girdle_thinner_in_the_middle_of_each_arc():
     stone = sample()
-    upper, lower = edge_points(stone)
-    middle = ARC_SEGMENTS // 2 - 1
-    assert (upper[:, middle, 2] < stone.vertices[GIRDLE_UPPER, 2].min()).all()
-    assert (lower[:, middle, 2] > stone.vertices[GIRDLE_LOWER, 2].max()).all()
+    upper, lower = wall_edges(stone)
+    for points, ring, sign in ((upper, GIRDLE_UPPER, 1), (lower, GIRDLE_LOWER, -1)):
+        step = (np.arctan2(points[:, 1], points[:, 0]) / (np.pi / 8)) % 1.0
+        middle = points[np.abs(step - 0.5) < 1e-6, 2]
+        assert len(middle) == 16
+        assert (sign * middle < (sign * stone.vertices[ring, 2]).min()).all()
 
 
-def test_edges_of_a_measured_stone_lie_on_plane_and_wall(rng):
-    stone = measured(rng, 1e-3)
-    for points, facets in zip(edge_points(stone), (UPPER_GIRDLE_FACETS, LOWER_GIRDLE_FACETS), strict=True):
-        wall = stone.girdle.radius(*points.reshape(-1, 3).T)
-        assert np.abs(np.hypot(points[..., 0], points[..., 1]).reshape(-1) - wall).max() < MEASURED_WALL
-        distance = np.einsum("ijk,ik->ij", points, stone.facet_normals[facets])
-        assert np.abs(distance - stone.facet_offsets[facets, None]).max() < PLANE
-
-
-@pytest.mark.parametrize("thickness", [0.0, 1.0])
-def test_where_scallops_cross_the_girdle_has_no_height_and_lies_on_both_planes(thickness):
+@pytest.mark.parametrize("thickness", [0.0, 0.3, 1.0])
+def test_a_girdle_that_is_thinner_than_its_scallops_has_gaps(thickness):
     stone = sample(girdle_thickness=thickness)
-    upper, lower = edge_points(stone)
-    crossed = upper[..., 2] == lower[..., 2]
-    assert crossed[:, ARC_SEGMENTS // 2 - 1].all()
-    assert crossed.all() == (thickness == 0.0)
-    assert (upper[crossed] == lower[crossed]).all()
-    assert (upper[..., 2] >= lower[..., 2]).all()
-    for facets in (UPPER_GIRDLE_FACETS, LOWER_GIRDLE_FACETS):
-        distance = (
-            np.einsum("ijk,ik->ij", upper, stone.facet_normals[facets]) - stone.facet_offsets[facets, None]
-        )
-        assert np.abs(distance[crossed]).max() < PLANE
+    mesh = tessellate(stone)
+    pieces = np.count_nonzero(mesh.face_facet == GIRDLE)
+    assert pieces < 2 * ROUND_PIECES
+    assert (pieces == 0) == (thickness == 0.0)
+    assert (stone.solid.areas[GIRDLE] == 0.0) == (thickness == 0.0)
 
 
 @pytest.mark.parametrize("thickness", THICKNESSES)
@@ -234,20 +216,19 @@ def test_girdle_normals_of_a_round_stone_are_radial_and_horizontal(thickness):
     np.testing.assert_allclose(normals[..., :2], expected, rtol=0, atol=ROUNDING)
 
 
-def test_girdle_normals_of_a_measured_stone_are_those_of_its_wall(rng):
-    """They differ from those of the flat faces by the angle between two faces, and by the wall's bends.
-
-    Where the upper and the lower vertex of a bend lie at different azimuths, faces beside it get the slope
-    of the neighbouring sector: a change of radius of some 1e-3 over pi / 8.
-    """
-    mesh = tessellate(measured(rng, 1e-3))
-    girdle = mesh.face_facet == GIRDLE
-    corners, normals = mesh.vertices[mesh.faces[girdle]], mesh.corner_normals[girdle]
-    flat = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    flat /= np.linalg.norm(flat, axis=1, keepdims=True)
-    sine = np.linalg.norm(np.cross(flat[:, None], normals), axis=-1)
-    assert sine.max() < np.pi / 8 / ARC_SEGMENTS + WALL_BEND
-    assert np.einsum("ik,ijk->ij", flat, normals).min() > 0
+def test_the_girdle_of_a_measured_stone_is_level_facets_that_keep_the_outlines_area():
+    stone = bent_stone(-0.01, stretched=1.02)
+    girdle = stone.solid.facet == GIRDLE
+    assert np.count_nonzero(girdle) == 64
+    assert (stone.solid.planes[girdle, 2] == 0).all()
+    body = stone.solid.polyhedron
+    outline = np.maximum(body.crosses[:, 2], 0).sum()
+    middle = 0.5 * (stone.vertices[GIRDLE_UPPER] + stone.vertices[GIRDLE_LOWER])
+    azimuth = np.arctan2(middle[:, 1], middle[:, 0])
+    radius = 0.5 * sum(np.hypot(*stone.vertices[ring, :2].T) for ring in (GIRDLE_UPPER, GIRDLE_LOWER))
+    fine = np.linspace(-np.pi, np.pi, 400_001)
+    wanted = 0.5 * np.trapezoid(np.interp(fine, azimuth, radius, period=2 * np.pi) ** 2, fine)
+    assert outline == pytest.approx(wanted, abs=1e-6)  # by the trapezoidal rule over kinks
 
 
 def test_arc_pieces_stay_within_their_sagitta_of_the_cylinder():
@@ -263,8 +244,7 @@ def test_split_mesh_has_one_normal_a_vertex_and_the_same_faces(rng, scale):
     positions, normals, faces = mesh.split()
     assert len(positions) == len(normals)
     assert (positions[faces] == mesh.vertices[mesh.faces]).all()
-    difference = np.abs(normals[faces] - mesh.corner_normals).max()
-    assert difference <= (CORNER_NORMAL if scale else 0.0)
+    assert (normals[faces] == mesh.corner_normals).all()
 
 
 # ---- Measured stones -----------------------------------------------------------------------------------
@@ -275,7 +255,7 @@ def test_vertices_of_a_symmetric_stone_make_that_stone():
     again = stone_from_vertices(stone.vertices)
     assert (again.vertices == stone.vertices).all()
     assert (again.facet_normals == stone.facet_normals).all()
-    assert again.girdle.is_round
+    assert again.is_round
     assert again.proportions is None
 
 
@@ -285,12 +265,27 @@ def test_unit_of_length_and_origin_do_not_matter(rng):
     np.testing.assert_allclose(again.vertices, stone.vertices, rtol=0, atol=20 * ROUNDING)  # 10 away
 
 
-def test_kites_that_are_not_flat_are_two_planes(rng):
-    stone = measured(rng, 1e-3)
-    for triangle, facet in enumerate(TRIANGLE_FACET):
-        corners = stone.vertices[TRIANGLES[triangle]]
-        distance = corners @ stone.triangle_normals[triangle] - stone.triangle_offsets[triangle]
-        assert np.abs(distance).max() < ROUNDING, FACET_KINDS[facet]
+def test_kites_that_are_not_flat_are_two_planes():
+    # Star tips a little lower: every kite of the crown is bent outwards along its long diagonal.
+    vertices = sample().vertices.copy()
+    vertices[STAR_TIP, 2] -= 1e-4
+    stone = stone_from_vertices(vertices)
+    planes = np.bincount(stone.solid.facet)
+    assert planes.tolist() == [2 if kind == "bezel" else 1 for kind in FACET_KINDS[:GIRDLE]]
+    on_a_plane = np.abs(stone.vertices @ stone.solid.planes[:, :3].T - stone.solid.planes[:, 3]) < PLANE
+    assert (on_a_plane.sum(axis=1) >= 2).all()
+
+
+def test_a_hollow_stone_is_a_mesh():
+    vertices = sample().vertices.copy()
+    vertices[STAR_TIP, 2] += 1e-3
+    stone = stone_from_vertices(vertices)
+    assert not stone.is_convex
+    assert isinstance(stone.solid, MeshSolid)
+    mesh = tessellate(stone)
+    assert_closed(mesh)
+    assert mesh_volume(mesh) == pytest.approx(stone.solid.volume, abs=ROUNDING)
+    assert mesh_volume(mesh) == pytest.approx(half_space_volume(sample().proportions), abs=5e-3)
 
 
 def test_stones_can_be_compared_and_kept_in_sets():

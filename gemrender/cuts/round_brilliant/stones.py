@@ -107,7 +107,7 @@ def stone_from_vertices(
     v = _to_paper_frame(vertices)
     check_vertices(v)
     facts: dict[str, Any] = {"name": name, "material": material, "source": source}
-    planes = flat_facets(v, TRIANGLES, TRIANGLE_FACET)
+    planes = flat_facets(v, TRIANGLES, TRIANGLE_FACET, HOLLOW)
     new = np.ones(len(planes), dtype=bool)  # triangles of a flat facet have its very plane; neighbours here
     new[1:] = (planes[1:] != planes[:-1]).any(axis=1) | (TRIANGLE_FACET[1:] != TRIANGLE_FACET[:-1])
     planes, facet = planes[new], TRIANGLE_FACET[new]
@@ -172,8 +172,9 @@ def _hollow(v: np.ndarray) -> MeshSolid:
         # At a vertex both neighbouring facets end; their planes may differ a little there.
         heights = [(p[:, 3] - (p[:, :2] * points).sum(axis=1)) / p[:, 2] for p in (plane, before)]
         rings.append(0.5 * (heights[0] + heights[1]))
-    upper = np.maximum(*rings) if (rings[0] < rings[1]).any() else rings[0]
-    lower = np.minimum(rings[1], upper)
+    # Where the girdle is thinner than its scallops both edges meet half way.
+    crossed = rings[0] <= rings[1]
+    upper, lower = (np.where(crossed, 0.5 * (rings[0] + rings[1]), ring) for ring in rings)
     vertices = np.concatenate([v, np.column_stack([points, upper]), np.column_stack([points, lower])])
     renumber = np.arange(N_VERTICES)
     renumber[GIRDLE_UPPER] = N_VERTICES + WALLS * np.arange(16)
@@ -195,8 +196,15 @@ def _hollow(v: np.ndarray) -> MeshSolid:
     up_next, low_next = N_VERTICES + following, N_VERTICES + n + following
     triangles += [np.column_stack([low, low_next, up_next]), np.column_stack([low, up_next, up])]
     facet.append(np.full(2 * n, GIRDLE))
-    used, faces = np.unique(np.concatenate(triangles), return_inverse=True)
-    return MeshSolid(vertices=vertices[used], triangles=faces.reshape(-1, 3), facet=np.concatenate(facet))
+    corners = np.concatenate(triangles)
+    merged = np.arange(N_VERTICES + 2 * n)
+    merged[N_VERTICES + n :] -= n * crossed  # one edge there, not two
+    corners = merged[corners]
+    real = (corners != np.roll(corners, 1, axis=1)).all(axis=1)
+    used, faces = np.unique(corners[real], return_inverse=True)
+    return MeshSolid(
+        vertices=vertices[used], triangles=faces.reshape(-1, 3), facet=np.concatenate(facet)[real]
+    )
 
 
 def _to_paper_frame(vertices: np.ndarray) -> np.ndarray:
