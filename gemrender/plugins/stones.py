@@ -257,9 +257,7 @@ class Stones:
         self.cylinders = [[_opaque(x) for x in row] for row in cylinders]
         return True
 
-    def _nearest_plane(
-        self, stone: mi.UInt32, p: mi.Point3f, d: mi.Vector3f
-    ) -> tuple[mi.Float, mi.Vector3f]:
+    def _nearest_plane(self, stone: mi.UInt32, p: mi.Point3f, d: mi.Vector3f) -> tuple[mi.Float, mi.Vector3f]:
         """Return how far the surface is that a ray leaves a convex stone through, and its outward normal."""
         others = [stone == k + 1 for k in range(1, len(self.planes))]
 

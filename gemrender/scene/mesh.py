@@ -139,9 +139,7 @@ def mesh_solid(shape: Any) -> ConvexSolid | None:
     values = mi.traverse(shape)
     positions = np.array(values["vertex_positions"]).reshape(-1, 3)
     normals = np.array(values["vertex_normals"]) if shape.has_vertex_normals() else np.zeros(positions.size)
-    return convex_solid(
-        positions, normals.reshape(-1, 3), np.array(values["faces"]).reshape(-1, 3), planes
-    )
+    return convex_solid(positions, normals.reshape(-1, 3), np.array(values["faces"]).reshape(-1, 3), planes)
 
 
 def _mesh(
