@@ -12,6 +12,7 @@ from gemrender.cli.groups import command
 from gemrender.cli.options import (
     OUTPUT,
     EngineOptions,
+    MaterialOptions,
     ModelOptions,
     Stones,
     output_option,
@@ -43,6 +44,7 @@ _FORMATS = {
 def show(
     stones: Stones,
     engine: EngineOptions,
+    of: MaterialOptions,
     model: ModelOptions,
     what: Annotated[
         list[str] | None,
@@ -97,7 +99,7 @@ def show(
     from gemrender.report.displays.rays import check_fan, check_points
     from gemrender.report.files import file_stems, prepare_folder
 
-    loaded = load(stones, options)
+    loaded = load(stones, options, material=of.material)
     if "rays" in shown and points is not None:
         for stone in loaded.stones:
             check_points(stone, points, view_and_model(stone, options)[1])

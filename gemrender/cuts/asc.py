@@ -7,8 +7,8 @@
     header    = "H" text                    footnote = "F" text
     tier      = "a" angle distance { index [ "n" name ] } [ "G" instruction to the end of the line ]
 
-Lines that begin with an index, "n" or "G" go on with the tier above. Angles are in degrees from the girdle plane,
-negative on the pavilion; a culet facet is at 0 with a negative distance, or at "-0".
+Lines that begin with an index, "n" or "G" go on with the tier above. Angles are in degrees from the girdle
+plane, negative on the pavilion; a culet facet is at 0 with a negative distance, or at "-0".
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from gemrender.writing import write_whole
 __all__ = ["parse_asc", "read_asc", "write_asc"]
 
 #: A record's letter that stands at its first number, as in "g96 0.0".
-_GLUED = re.compile(r"([gyIa])(?=[-+\u2212.\d])")
+_GLUED = re.compile(r"^([gyIa])(?=[-+\u2212.\d])")
 #: Largest number of teeth; the largest index wheels have 360.
 MOST_TEETH = 100_000
 #: Largest index [teeth]: any number that a person may have meant.
@@ -181,7 +181,9 @@ class _Reader:
             self.headers.append(rest.strip())
         elif first == "F":
             self.footnotes.append(rest.strip())
-        elif self.is_open and (first in ("n", "G") or number_of(first) is not None or self.tiers[-1].wants_name):
+        elif self.is_open and (
+            first in ("n", "G") or number_of(first) is not None or self.tiers[-1].wants_name
+        ):
             self._items(key, line.split())
             return
         elif self.gear is None and not self.tiers and _is_gear(line.split()):
@@ -240,7 +242,7 @@ class _Reader:
             raise InputError("needs the number of teeth of the index wheel and its offset", key=key)
         teeth = _number(tokens[0], key, "the number of teeth")
         offset = _number(tokens[1], key, "the offset") if len(tokens) > 1 else 0.0
-        if not 0 < abs(teeth) <= MOST_TEETH:
+        if not 1 <= abs(teeth) <= MOST_TEETH:
             raise InputError(
                 f"the number of teeth must be 1 to {MOST_TEETH}, or negative", key=key, value=tokens[0]
             )
@@ -258,7 +260,7 @@ class _Reader:
             self.index = index
 
     def _symmetry(self, tokens: list[str]) -> None:
-        """What the dialogue said when the file was saved: kept to be written again, used for nothing."""
+        """Keep what the dialogue said when the file was saved: to be written again, used for nothing else."""
         folds = number_of(tokens[0]) if tokens else None
         if folds is not None and 1 <= folds <= MOST_TEETH:
             self.symmetry = int(folds), tokens[1:2] == ["y"]

@@ -1,8 +1,9 @@
 """A faceter's design: tiers of facets by angle, distance and index, and the stone that they cut.
 
-The formula of the planes is GemCad's: a facet at angle i from the girdle plane and azimuth phi, measured from +y
-towards +x, has the outward normal (sin i sin phi, sin i cos phi, +-cos i), and lies at its distance from the
-origin. It is analytic: complex angles and distances give complex planes, for derivatives by the complex step.
+The formula of the planes is GemCad's: a facet at angle i from the girdle plane and azimuth phi, measured from
++y towards +x, has the outward normal (sin i sin phi, sin i cos phi, +-cos i), and lies at its distance from
+the origin. It is analytic: complex angles and distances give complex planes, for derivatives by the complex
+step.
 """
 
 from __future__ import annotations
@@ -11,7 +12,6 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ import numpy as np
 from gemrender.errors import InputError
 from gemrender.stone.facets import Facet, side_of
 from gemrender.stone.frame import in_frame
+from gemrender.stone.polyhedron import intersect
 from gemrender.stone.solid import convex_solid
 from gemrender.stone.stone import Stone
 
@@ -28,8 +29,8 @@ __all__ = ["MOST_FACETS", "Design", "Tier", "told_names"]
 MOST_FACETS = 5000
 #: Largest angle from the girdle plane [deg].
 LARGEST_ANGLE = 90.0
-#: Largest difference of two normals, and of two distances relative to the largest, that is the same plane: well
-#: below the eight decimals that files have.
+#: Largest difference of two normals, and of two distances relative to the largest, that is the same plane:
+#: well below the eight decimals that files have.
 SAME_PLANE = 1e-9
 #: So many facets are named in a note; of the others their number.
 MOST_NAMED = 4
@@ -116,8 +117,8 @@ class Design:
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.gear) and self.gear):
-            raise InputError("must be a number of teeth other than 0", key="gear", value=self.gear)
+        if not 1 <= abs(self.gear) < math.inf:
+            raise InputError("must be 1 tooth or more, or negative", key="gear", value=self.gear)
         for number, tier in enumerate(self.tiers, start=1):
             _check_tier(tier, f"tier {number}")
         if self.n_facets > MOST_FACETS:
@@ -190,16 +191,35 @@ class Design:
             names[name] = None
         return tuple(names)
 
+    def corners(self) -> list[np.ndarray]:
+        """Return the corners of each facet, (k, 3) float64, anticlockwise seen from outside.
+
+        A facet that others cut away has none, nor the second of two in one plane.
+
+        Raises
+        ------
+        InputError
+            The facets do not close.
+        """
+        planes = self.planes().real
+        used = np.unique(_first_of_twins(planes))
+        body = intersect(planes[used])
+        corners = [np.empty((0, 3))] * len(planes)
+        for place, facet in enumerate(used.tolist()):
+            corners[facet] = body.vertices[body.polygon(place)]
+        return corners
+
     def stone(self, *, with_headers: bool = False, **facts: Any) -> Stone:
         """Make the stone of the design, in the frame of stones.
 
-        A plane that stands twice is one facet, and what others cut away is none; the stone's `notes` say so. The
-        design's index is the stone's material.
+        A plane that stands twice is one facet, and what others cut away is none; the stone's `notes` say so.
+        The design's index is the stone's material.
 
         Parameters
         ----------
         with_headers : bool
-            Whether the stone's notes have the headers and footnotes. They hold people's names and addresses.
+            Whether the stone keeps headers and footnotes, in its notes and its cut. They hold people's names
+            and addresses.
         **facts
             Fields of `Stone`, such as its name; a material takes the place of the design's index.
 
@@ -212,7 +232,9 @@ class Design:
         if not len(planes):
             raise InputError("has no facets")
         first, notes = _first_of_twins(planes), list(self.notes)
-        twins = [name for name, number, own in zip(names, first, range(len(first)), strict=True) if number != own]
+        twins = [
+            name for name, number, own in zip(names, first, range(len(first)), strict=True) if number != own
+        ]
         if twins:
             notes.append(f"the same plane stands twice, once is used: {told_names(twins)}")
         used = np.unique(first)
@@ -233,7 +255,7 @@ class Design:
             facets=tuple(
                 Facet(names[number], kinds[number], side_of(planes[number, 2])) for number in used[left]
             ),
-            cut=self,
+            cut=self if with_headers else replace(self, headers=(), footnotes=()),
             assumed=tuple(assumed),
             notes=tuple(notes),
             **facts,

@@ -11,8 +11,8 @@
       <info title author date .../>
     </GemCutStudio>
 
-The tier's angle is that of the normal from +z: 0 table, 90 girdle, above 90 pavilion, 180 culet. The normals and
-vertices are what counts; they have the digits of 32-bit numbers in files that the program itself wrote.
+The tier's angle is that of the normal from +z: 0 table, 90 girdle, above 90 pavilion, 180 culet. The normals
+and vertices are what counts; they have the digits of 32-bit numbers in files that the program itself wrote.
 """
 
 from __future__ import annotations
@@ -38,6 +38,8 @@ __all__ = ["parse_gcs", "read_gcs", "write_gcs"]
 ROOT = "GemCutStudio"
 #: Largest number in a file: its square is finite, and so is what the numbers make.
 LARGEST = 1e50
+#: Most teeth of a gear.
+MOST_TEETH = 100_000
 #: Attributes of <info> that are headers, then those that are footnotes.
 _HEADERS = ("title", "author", "date", "header2", "header3")
 _FOOTNOTES = ("footer1", "footer2", "footer3", "footer4")
@@ -76,9 +78,11 @@ def parse_gcs(data: bytes) -> Design:
     """
     root = _root(data)
     wheel = root.find("index")
-    gear, offset = (96.0, 0.0) if wheel is None else (_of(wheel, "gear", "index"), _of(wheel, "base", "index", 0))
-    if not 0 < abs(gear) <= LARGEST:
-        raise InputError("the number of teeth must not be 0", key="index gear", value=gear)
+    gear, offset = (
+        (96.0, 0.0) if wheel is None else (_of(wheel, "gear", "index"), _of(wheel, "base", "index", 0))
+    )
+    if not 1 <= abs(gear) <= MOST_TEETH or not abs(offset) <= MOST_TEETH:
+        raise InputError(f"the number of teeth must be 1 to {MOST_TEETH}", key="index", value=(gear, offset))
     planes, keys, names, instructions = [], [], [], []
     notes = []
     guides = bare = 0
@@ -147,7 +151,7 @@ def write_gcs(design: Design, path: str | os.PathLike[str]) -> None:
         The facets do not close, or the file cannot be written.
     """
     planes = design.planes().real
-    solid = intersect(planes)
+    corners = design.corners()
     root = Element(ROOT, version="1000")
     SubElement(root, "index", gear=f"{abs(design.gear):g}", base="0", symmetry=str(design.folds), mirror="0")
     names, number = design.kinds(), 0
@@ -165,7 +169,7 @@ def write_gcs(design: Design, path: str | os.PathLike[str]) -> None:
             guide="false",
         )
         for plane in planes[number : number + len(tier.indices)]:
-            _facet(made, plane, solid.vertices[solid.polygon(number)])
+            _facet(made, plane, corners[number])
             number += 1
     SubElement(root, "render", material="(from file)", refractive_index=repr(design.index or 1.0))
     info = dict(zip(("title", "author", "date", "header2", "header3"), design.headers, strict=False))
@@ -173,9 +177,7 @@ def write_gcs(design: Design, path: str | os.PathLike[str]) -> None:
     SubElement(root, "info", {key: one_line(value) for key, value in info.items()})
     indent(root)
     file = Path(path)
-    write_whole(
-        file.parent, {file.name: lambda made: ElementTree(root).write(made, encoding="utf-8")}
-    )
+    write_whole(file.parent, {file.name: lambda made: ElementTree(root).write(made, encoding="utf-8")})
 
 
 def _facet(tier: Element, plane: np.ndarray, vertices: np.ndarray) -> None:
@@ -190,7 +192,7 @@ def _facet(tier: Element, plane: np.ndarray, vertices: np.ndarray) -> None:
 
 
 def _root(data: bytes) -> Any:
-    """Return the file's root; entities and document types, which can make a small file endless, are refused."""
+    """Return the root; entities and document types, which can make a small file endless, are refused."""
     from defusedxml import DefusedXmlException
     from defusedxml.ElementTree import fromstring
 

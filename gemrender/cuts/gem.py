@@ -10,8 +10,8 @@
     8 x (u8 length, bytes)            four headers and four footnotes
     [ u8 7 "preform" and a complete list of facets ]
 
-The planes are what counts: in some files the corners are scaled by 0.81. At the girdle, the sign of pz (6e-17)
-says which side the tier is cut on.
+The planes are what counts: in some files the corners are scaled by 0.81. At the girdle, the sign of pz
+(6e-17) says which side the tier is cut on.
 """
 
 from __future__ import annotations
@@ -29,7 +29,6 @@ from gemrender.cuts.text import decoded, one_line
 from gemrender.cuts.tiers import tiers_of
 from gemrender.errors import InputError
 from gemrender.reading import read_bytes, told_at
-from gemrender.stone.polyhedron import intersect
 from gemrender.writing import write_whole
 
 __all__ = ["looks_like_gem", "parse_gem", "read_gem", "write_gem"]
@@ -115,7 +114,7 @@ def parse_gem(data: bytes) -> Design:
         gear=gear,
         offset=offset,
         index=index if 1 < index < MOST_TEETH else None,
-        folds=max(folds, 1),
+        folds=max(int(folds), 1),
         is_mirrored=bool(mirror),
         headers=_without_blank_end(texts[:N_HEADERS]),
         footnotes=_without_blank_end(texts[N_HEADERS:]),
@@ -142,9 +141,13 @@ def write_gem(design: Design, path: str | os.PathLike[str]) -> None:
     if (planes[:, 3] <= 0).any():
         raise InputError("a facet passes through the origin, which .gem files cannot say; .asc files can")
     of_tier = design.facet_tiers
-    corners = _corners(planes)
+    corners = design.corners()
     out = bytearray()
-    names = [name for tier in design.tiers for name in (*tier.names, *[""] * len(tier.indices))[: len(tier.indices)]]
+    names = [
+        name
+        for tier in design.tiers
+        for name in (*tier.names, *[""] * len(tier.indices))[: len(tier.indices)]
+    ]
     for number, (plane, name) in enumerate(zip(planes, names, strict=True)):
         tier = design.tiers[of_tier[number]]
         p = plane[:3] / plane[3]
@@ -164,12 +167,6 @@ def write_gem(design: Design, path: str | os.PathLike[str]) -> None:
             out += _packed(one_line(text))
     file = Path(path)
     write_whole(file.parent, {file.name: lambda made: made.write_bytes(bytes(out))})
-
-
-def _corners(planes: np.ndarray) -> list[np.ndarray]:
-    """Corners of each facet, none for one that others cut away, anticlockwise seen from outside."""
-    solid = intersect(planes)
-    return [solid.vertices[solid.polygon(number)] for number in range(len(planes))]
 
 
 def _packed(text: str) -> bytes:

@@ -12,7 +12,7 @@ _NUMBER = re.compile(r"[-+]?(\d+([.,]\d*)?|[.,]\d+)([eE][-+]?\d{1,3})?")
 
 
 def decoded(data: bytes) -> str:
-    """Return the text of a file in UTF-8 (with or without a byte order mark), UTF-16 with one, or Windows-1252.
+    """Return the text of a file in UTF-8, UTF-16 with a byte order mark, or Windows-1252.
 
     Line ends become LF.
 
@@ -34,7 +34,7 @@ def decoded(data: bytes) -> str:
 
 
 def number_of(token: str) -> float | None:
-    """Return the finite number that a word is, or None; a decimal comma and the typographic minus are read too.
+    """Return the finite number that a word is, or None; a decimal comma and a long minus are read too.
 
     Parameters
     ----------

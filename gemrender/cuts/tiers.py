@@ -48,8 +48,8 @@ def tiers_of(
     gear, offset : float
         Teeth of the index wheel, and the index at +y [teeth].
     rounding : float
-        Errors that the planes may have: what differs by no more is one tier, and what comes as near to a tooth,
-        to a table or to the girdle is there.
+        Errors that the planes may have: what differs by no more is one tier, and what comes as near to a
+        tooth, to a table or to the girdle is there.
     keys : sequence, optional
         Of each plane; those in one tier have the same. Without it, planes of any order make one tier.
     names, instructions : sequence of str, optional
@@ -98,7 +98,7 @@ def gear_of(planes: np.ndarray, rounding: float = DOUBLE_ROUNDING) -> int:
 def _angle_and_index(
     normal: np.ndarray, gear: float, offset: float, rounding: float
 ) -> tuple[float, bool, float]:
-    """Return the angle from the girdle plane [deg], whether it is cut from the crown's side, and the index."""
+    """Return the angle from the girdle plane [deg], whether it is on the crown's side, and the index."""
     x, y, z = normal.tolist()
     level = float(np.hypot(x, y))
     if level <= rounding:

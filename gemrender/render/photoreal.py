@@ -105,7 +105,7 @@ class Picture:
 def make_gems(
     stones: Sequence[Stone],
     *,
-    material: str | None = None,
+    material: str | float | None = None,
     carat: float | None = None,
     diameter_mm: float | None = None,
 ) -> list[Gem]:
@@ -115,8 +115,8 @@ def make_gems(
     ----------
     stones : sequence of Stone
         The stones.
-    material : str, optional
-        Name or file of the material of all; by default each stone's own.
+    material : str or float, optional
+        Name or file of the material of all, or its refractive index; by default each stone's own.
     carat, diameter_mm : float, optional
         Weight of each stone [carat], or its girdle diameter [mm], of stones that are not round the length of
         the outline's longer side; not both.
