@@ -18,17 +18,18 @@ import numpy as np
 
 from gemrender.beam.budget import Budget, no_limits
 from gemrender.beam.compiled import STEP
-from gemrender.beam.facets import LEAST_AREA, kernel_rules, trace_facets
+from gemrender.beam.facets import kernel_rules, polygon_paths, trace_facets
 from gemrender.beam.measure import check_bound, facet_sums
 from gemrender.beam.near_girdle import SETS, STUDENT_T, NearGirdle
-from gemrender.beam.polygons import GIRDLE_CELL, trace_polygons
-from gemrender.beam.rays import INTENSITY, MET, REAR
+from gemrender.beam.polygons import trace_polygons
 from gemrender.beam.solid import BeamStone, beam_stone
 from gemrender.cuts import RoundBrilliant
 from gemrender.cuts.round_brilliant.planes import facet_planes
 from gemrender.cuts.round_brilliant.proportions import brilliant_vertices
 from gemrender.errors import InputError
-from gemrender.observation import LIGHT_LEVEL, Model, View
+from gemrender.measures import inoue
+from gemrender.measures.inoue import INTENSITY, MET, REAR
+from gemrender.observation import LIGHT_LEVEL, Model, RayStatus, View
 from gemrender.stone import Stone
 
 __all__ = [
@@ -157,12 +158,13 @@ def facet_totals(
     view = view or View(resolution=1)
     wedge = ready.wedge(view)
     solid = ready.solid._replace(planes=planes, values=np.ascontiguousarray(planes.real))
-    rules = kernel_rules(model or Model.of(ready.stone))
-    _, _, what, values, *_ = trace_polygons(solid, view.basis(), wedge, rules, LEAST_AREA, no_limits())
-    areas, near = values[:, 0], what[:, 0] == GIRDLE_CELL
-    return np.array(
-        [areas @ values[:, 1], areas[what[:, 3] == 1].sum(), areas[~near].sum(), areas[near].sum()]
-    )
+    model = model or Model.of(ready.stone)
+    traced = trace_polygons(solid, view.basis(), wedge, kernel_rules(model), no_limits())
+    paths = polygon_paths(traced.polygons, planes, ready.facet, view, ready.stone)
+    rear, near = inoue.rear_mask(paths, model), paths.status == RayStatus.MISSED
+    intensity = inoue.primary_intensity(paths, model, rear)
+    areas = paths.area
+    return np.array([areas @ intensity, areas[rear].sum(), areas[~near].sum(), areas[near].sum()])
 
 
 def check_differentiable(stone: Stone) -> None:
@@ -245,7 +247,7 @@ def sensitivity(
         average=float(average),
         rear=float(rear),
         derivatives=tuple(derivatives),
-        girdle=float(100.0 * (1.0 - base.told[MET] / base.area)),
+        girdle=float(100.0 * (1.0 - base.resolved[MET] / base.area)),
         fresnel=model.fresnel,
         rear_rule=model.rear,
         intensity=model.intensity,
@@ -277,14 +279,14 @@ class _Scored:
                 f"falls into more virtual facets than can be differentiated: {facets.why_left_over}",
                 source=stone.source or stone.name,
             )
-        self.told, near = facet_sums(facets), NearGirdle(self.ready, facets, seed)
+        self.resolved, near = facet_sums(facets), NearGirdle(self.ready, facets, seed)
         self.numbers = numbers or near.numbers(rays)
         near.go_on(self.numbers)
         self.near, self.cell_area, self.area = near.found(), near.cell_area, near.view_area
 
     def scores(self) -> np.ndarray:
         """Average and Rear by each set of rays, (SETS, 2) [%]."""
-        return np.asarray(100.0 * (self.told + self.near)[:, [INTENSITY, REAR]] / self.area)
+        return np.asarray(100.0 * (self.resolved + self.near)[:, [INTENSITY, REAR]] / self.area)
 
     def near_means(self) -> np.ndarray:
         """Mean intensity and share of rear light near the girdle, by each set of rays, (SETS, 2) (0 to 1)."""
@@ -304,14 +306,16 @@ def _slope(base: _Scored, parameter: str, seed: int) -> np.ndarray:
     """Differentiate Average and Rear by one proportion, by each set of rays, (SETS, 2)."""
     assert base.stone.proportions is not None
     planes = proportion_planes(base.stone.proportions, parameter)
-    light, rear, told, cells = facet_totals(base.ready, planes, view=base.view, model=base.model).imag / STEP
+    light, rear, resolved, cells = (
+        facet_totals(base.ready, planes, view=base.view, model=base.model).imag / STEP
+    )
     for step in _QUOTIENT_STEPS:
         low, high, between = _sides(base, parameter, step, seed)
         grown = high.cell_area - low.cell_area - between * cells
         if abs(grown) <= _SAME_CELLS * base.cell_area:
             break
     grows = (high.area - low.area) / between
-    near, near_grows = base.area - base.told[MET], grows - told
+    near, near_grows = base.area - base.resolved[MET], grows - resolved
     change = (high.near_means() - low.near_means()) / between
     near_slope = base.near_means() * near_grows + near * change
     slope = np.array([light, rear]) + near_slope - base.scores() / LIGHT_LEVEL * grows

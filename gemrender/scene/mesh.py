@@ -15,6 +15,7 @@ __all__ = [
     "FACET_ATTRIBUTE",
     "NORMAL_ATTRIBUTES",
     "OFFSET_ATTRIBUTES",
+    "carried_planes",
     "mesh_solid",
     "placed_mesh",
     "stone_mesh",
@@ -23,8 +24,9 @@ __all__ = [
 
 #: Face attribute with the number of the facet.
 FACET_ATTRIBUTE = "face_facet"
-#: Face attributes with the plane's outward normal and its offset [girdle radius], each in double precision
-#: as the sum of two singles. On a round girdle the normal is 0 and the offset the radius of its cylinder.
+#: Face attributes with the plane's outward normal and its offset in the mesh's own coordinates, each in double
+#: precision as the sum of two singles. On a round girdle the normal is 0 and the offset the radius of its
+#: cylinder. Where a mesh is moved they no longer fit, which its vertices tell.
 NORMAL_ATTRIBUTES = ("face_normal_high", "face_normal_low")
 OFFSET_ATTRIBUTES = ("face_offset_high", "face_offset_low")
 
@@ -115,18 +117,30 @@ def sweep_mesh(
     return _mesh(name, positions @ to_place, normals @ to_place, faces, bsdf)
 
 
-def mesh_solid(shape: Any) -> ConvexSolid | None:
-    """Read a stone's solid back from its mesh, wherever it stands; None if it is none of `placed_mesh`'s."""
+def carried_planes(shape: Any) -> np.ndarray | None:
+    """Return the planes that a mesh carries for its faces, (f, 4) float64: normal and offset; None if none."""
     import mitsuba as mi
 
-    if not isinstance(shape, mi.Mesh) or not np.any(shape.has_attribute(NORMAL_ATTRIBUTES[0])):
+    names = (*NORMAL_ATTRIBUTES, *OFFSET_ATTRIBUTES)
+    if not isinstance(shape, mi.Mesh) or not all(np.all(shape.has_attribute(name)) for name in names):
         return None
     values = mi.traverse(shape)
+    high, low, offset_high, offset_low = (np.array(values[name], dtype=np.float64) for name in names)
+    return np.column_stack([(high + low).reshape(-1, 3), offset_high + offset_low])
+
+
+def mesh_solid(shape: Any) -> ConvexSolid | None:
+    """Return a stone's solid by the planes that its mesh carries; None if it has none or is not convex."""
+    import mitsuba as mi
+
+    planes = carried_planes(shape)
+    if planes is None:
+        return None
+    values = mi.traverse(shape)
+    positions = np.array(values["vertex_positions"]).reshape(-1, 3)
+    normals = np.array(values["vertex_normals"]) if shape.has_vertex_normals() else np.zeros(positions.size)
     return convex_solid(
-        np.array(values["vertex_positions"]).reshape(-1, 3),
-        np.array(values["vertex_normals"]).reshape(-1, 3),
-        np.array(values["faces"]).reshape(-1, 3),
-        ~np.array(values[NORMAL_ATTRIBUTES[0]]).reshape(-1, 3).any(axis=1),
+        positions, normals.reshape(-1, 3), np.array(values["faces"]).reshape(-1, 3), planes
     )
 
 

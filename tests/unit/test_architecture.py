@@ -25,6 +25,8 @@ LAYERS: list[dict[str, set[str]]] = [
     {"templates": set()},
     {"colorimetry": {"numpy", "colour"}},
     {"observation": {"numpy"}},
+    {"paths": {"numpy"}},
+    {"measures": {"numpy"}},
     {"request": set()},
     {"reference": {"numpy"}},
     {"beam": {"numpy", "numba"}},

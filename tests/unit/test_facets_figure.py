@@ -26,13 +26,13 @@ from gemrender.report import displays
 from gemrender.report.displays import FORMATS, draw, write_display
 from gemrender.report.facets import (
     COLOURS,
-    EXIT_COLOURS,
     GIRDLE_COLOUR,
     REFLECTION_COLOURS,
     check_colour,
     facets_figure,
 )
 from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR
+from gemrender.report.palettes import EXIT_COLOURS, TIER_COLOURS
 from gemrender.scoring import BAND_EDGES, score
 from gemrender.stone import Stone
 
