@@ -44,7 +44,8 @@ class Tier:
     ----------
     angle_deg : float
         Angle from the girdle plane [deg]: positive on the crown, negative on the pavilion, 90 or -90 on the
-        girdle; 0 is a table, -0.0 a culet facet. Complex for derivatives.
+        girdle; 0 is a table, -0.0 a culet facet. Complex for derivatives: `complex(angle_deg, step)`, as a
+        sum with a complex step loses the sign of -0.0.
     distance : float
         Distance of the facets from the origin, 0 or more [any unit of length]. Complex for derivatives.
     indices : tuple of float
