@@ -192,7 +192,17 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         """Follow one ray; see the class."""
         hides = self.facet_check.hides(scene)
         with dr.suspend_grad():
-            return self._measure(scene, ray, self._follow(scene, mi.Ray3f(ray), mi.Bool(active)), hides)
+            path = self._follow(scene, mi.Ray3f(ray), mi.Bool(active))
+            transmitted, aovs = self._measure(path)
+            exited = path.status == int(RayStatus.EXITED)
+            light = self._light(scene, ray, path.point, path.direction, exited, hides)
+            return dr.select(exited, mi.Spectrum(mi.Float(transmitted)) * light, 0), path.hit, aovs
+
+    def measure(self, scene: mi.Scene, ray: mi.RayDifferential3f) -> list[mi.Float]:
+        """Return the AOVs alone, which are the same whatever light there is."""
+        self.facet_check.hides(scene)
+        with dr.suspend_grad():
+            return self._measure(self._follow(scene, mi.Ray3f(ray), mi.Bool(True)))[1]
 
     def to_string(self) -> str:
         """Describe the integrator in Mitsuba's manner."""
@@ -308,10 +318,8 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
             rise=rise,
         )
 
-    def _measure(
-        self, scene: mi.Scene, ray: mi.Ray3f, path: _Path, hides: bool
-    ) -> tuple[mi.Spectrum, mi.Bool, list[mi.Float]]:
-        """Return the radiance along the path, whether the stone was hit, and the AOVs."""
+    def _measure(self, path: _Path) -> tuple[mi.Float64, list[mi.Float]]:
+        """Return the share of the light that the path transmits, and the AOVs."""
         exited = path.status == int(RayStatus.EXITED)
         p, d = path.point, path.direction
         if self.rear == "facet":
@@ -324,8 +332,6 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
             # S1/S2 at both crossings, as the light travels (the paper's section 2.2)
             (air_eye, stone_eye), (air_light, stone_light) = path.eye_side, path.light_side
             intensity *= (air_light / stone_light) * (stone_eye / air_eye)
-        radiance = mi.Spectrum(mi.Float(transmitted)) * self._light(scene, ray, p, d, exited, hides)
-
         p, d = dr.select(exited, p, 0), dr.select(exited, d, 0)
         aovs = [
             mi.Float(dr.select(exited & ~rear, intensity, 0)),
@@ -338,7 +344,7 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
             path.exit_facet,
             mi.Float(path.code),
         ]
-        return dr.select(exited, radiance, 0), path.hit, aovs
+        return transmitted, aovs
 
     def _transmittance(self, cos_air: mi.Float64, cos_stone: mi.Float64) -> mi.Float64:
         """Return the transmitted share at one crossing, from both of its angles."""
