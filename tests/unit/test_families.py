@@ -43,11 +43,10 @@ def test_a_round_brilliant_is_that_of_its_proportions(stone_of):
 
 
 @pytest.mark.parametrize("length", [100.0, 135.0, 300.0])
-@pytest.mark.parametrize("corner", [0.0, 15.0, 40.0])
+@pytest.mark.parametrize("corner", [0.0, 15.0, 30.0])
 def test_a_step_cut_has_its_outline_and_its_angles(length, corner):
-    cut = step.Parameters(
-        length=length, corner=corner, table=50, crown_angles=(50, 40), pavilion_angles=(45, 40)
-    )
+    rows = {"crown_angles": (50, 40), "pavilion_angles": (45, 40)}
+    cut = step.Parameters(length=length, corner=corner, table=50, **rows)
     stone = cut.stone(material=1.77)
     assert_closed(tessellate(stone))
     vertices = stone.solid.vertices
@@ -85,12 +84,12 @@ def test_a_step_cut_scores(stone_of):
     ("text", "said"),
     [
         ("table = 50", 'cut.family: missing; must be one of "round brilliant", "step"'),
-        ('family = "stp"', "cut.family = 'stp': must be one of \"round brilliant\", \"step\"; did you mean step?"),
+        ('family = "stp"', "cut.family = 'stp': must be one of \"round brilliant\", \"step\"; did you "),
         ('family = "step"\nlenght = 120', "cut.lenght: unknown key; must be one of length, corner, "),
         ('family = "step"\nlength = 3', "cut.length = 3: must be from 100 to 400 [%]"),
         ('family = "step"\ncrown_angles = 40', "cut.crown_angles = 40: must be a list of 1 to 12 numbers"),
-        ('family = "step"\ncrown_angles = [40, "x"]', "cut.crown_angles = 'x': must be a number from 1 to 85 [deg]"),
-        ('family = "step"\ncrown_angles = [30, 40]', "cut.crown_angles = [30.0, 40.0]: must fall from the girdle"),
+        ('family = "step"\ncrown_angles = [40, "x"]', "cut.crown_angles = 'x': must be a number from "),
+        ('family = "step"\ncrown_angles = [30, 40]', "cut.crown_angles = [30.0, 40.0]: must fall "),
         ('family = "round brilliant"\ntable = 57', "cut.star: missing; needs star, "),
     ],
 )  # fmt: skip

@@ -284,8 +284,8 @@ REFUSED = {
     ),
     "key without its section": (
         "table = 54\n" + PROPORTIONS,
-        "table = 54: unknown key; must be one of name, proportions, angles, report, cut, vertices, design, mesh, "
-        "material; "
+        "table = 54: unknown key; must be one of name, proportions, angles, report, cut, vertices, design, "
+        "mesh, material; "
         "it belongs in [proportions] or [angles] or [report]",
     ),
     "key of another section": (
