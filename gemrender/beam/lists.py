@@ -27,7 +27,7 @@ __all__ = [
     "Path",
     "Polygons",
     "Work",
-    "empty_polygons",
+    "empty_work",
     "has_room",
     "push",
     "store",
@@ -155,7 +155,7 @@ def has_room(n: int, count: int, walls: int, work: Any) -> bool:
     return enough
 
 
-def empty_polygons(corners: int, polygons: int, kind: np.dtype) -> Polygons:
+def _empty_polygons(corners: int, polygons: int, kind: np.dtype) -> Polygons:
     """Return an empty list."""
     return Polygons(
         corners=np.empty((corners, 2), kind),
@@ -163,6 +163,24 @@ def empty_polygons(corners: int, polygons: int, kind: np.dtype) -> Polygons:
         facts=np.empty((polygons, 5), np.int64),
         areas=np.empty(polygons, kind),
         beams=np.empty((polygons, BEAM), kind),
+    )
+
+
+def empty_work(p: int, more: int, kind: np.dtype) -> Work:
+    """Return empty lists for p planes of a type, with room to see each of them, cut by so many lines more."""
+    most = p + more
+    return Work(
+        done=_empty_polygons(1024, 256, kind),
+        waiting=_empty_polygons(p * most + 512, p + 64, kind),
+        nodes=np.empty((p + 512, 2), np.int64),
+        used=np.zeros(5, np.int64),
+        needed=np.zeros(6, np.int64),
+        sums=np.zeros(3),
+        table=np.empty((3, most, 3), kind),
+        distances=np.empty((p, 3), kind),
+        ahead=Ahead(
+            np.empty(p), np.empty(p), np.empty(p, np.int64), np.empty(p, np.int64), np.empty((p, most))
+        ),
     )
 
 

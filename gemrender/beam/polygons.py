@@ -19,9 +19,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from gemrender.beam.ahead import Ahead, planes_ahead
+from gemrender.beam.ahead import planes_ahead
 from gemrender.beam.beams import (
-    BEAM,
     beam_at,
     beyond,
     is_cut_by_ground,
@@ -29,10 +28,9 @@ from gemrender.beam.beams import (
     moved,
     seen_at,
     turned,
-    write_beam,
     write_distance,
 )
-from gemrender.beam.clipping import area, copy_out, keep_below
+from gemrender.beam.clipping import area, keep_below
 from gemrender.beam.compiled import jit, jit_inner, real
 from gemrender.beam.crossing import into_air, into_stone, is_total
 from gemrender.beam.lists import (
@@ -50,8 +48,7 @@ from gemrender.beam.lists import (
     WAITING,
     Path,
     Polygons,
-    Work,
-    empty_polygons,
+    empty_work,
     has_room,
     push,
     store,
@@ -102,11 +99,8 @@ class Traced(NamedTuple):
 
 
 @jit
-def see_facets(
-    solid: Any, basis: Any, wedge: Any, index: float, table: Any, outlines: Any, beams: Any,
-    numbers: Any,
-) -> None:  # fmt: skip
-    """Cut the facets that the eye sees out of the view: what lies within all planes, the rim and the wedge.
+def see_facets(solid: Any, basis: Any, wedge: Any, index: float, work: Any) -> None:
+    """Let the facets that the eye sees wait: what of the view lies within all planes, the rim and the wedge.
 
     Parameters
     ----------
@@ -114,14 +108,11 @@ def see_facets(
         As for `trace_polygons`.
     index : float
         Refractive index.
-    table : (3, m, 3) array
-        Room for p + w' + k + 5 corners.
-    outlines : (p, m, 2), beams : (p, BEAM)
-        For each plane the corners of its outline and the beam inside are written here.
-    numbers : (p,) int64
-        Number of corners of each outline; stays 0 if it is not seen.
+    work : Work
+        The lists, which are changed. They have room for p polygons of as many corners as the table.
     """
     planes, rim, side, zero = solid.planes, solid.rim, 2.0 * solid.reach, solid.planes[0, 0] * 0.0
+    table, used = work.table, work.used
     ex, ey, ez = basis[2, 0], basis[2, 1], basis[2, 2]
     for i in range(planes.shape[0]):
         plane = planes[i]
@@ -133,7 +124,7 @@ def see_facets(
             table[0, k, 0] = zero + (side if k in (1, 2) else -side)
             table[0, k, 1] = zero + (side if k > 1 else -side)
         part, n = _FIRST, _SQUARE
-        for j in range(wedge.shape[0] + planes.shape[0] + rim.shape[0]):
+        for j in range(planes.shape[0] + wedge.shape[0] + rim.shape[0]):
             w, r = j - planes.shape[0], j - planes.shape[0] - wedge.shape[0]
             if n == 0 or j == i:
                 continue
@@ -145,12 +136,14 @@ def see_facets(
             else:
                 a, b, c = beyond(zero + rim[r, 0], zero + rim[r, 1], zero, zero + rim[r, 2], beam)
             part, n = keep_below(table, part, n, a, b, c)
-        if n == 0 or real(area(table[part], n)) < _NO_AREA:
+        size = area(table[part], n)
+        if n == 0 or real(size) < _NO_AREA:
             continue
-        numbers[i] = n
-        copy_out(table, part, n, outlines[i], _FIRST)
         dx, dy, dz, _, _ = into_stone(zero - ex, zero - ey, zero - ez, plane[0], plane[1], plane[2], index)
-        write_beam(turned(beam, dx, dy, dz), beams, i)
+        here = used[NODES]
+        work.nodes[here, 0], work.nodes[here, 1] = -1, i
+        used[NODES] = here + 1
+        push(Path(here, _FIRST, i), turned(beam, dx, dy, dz), part, n, size, work)
 
 
 # ---- From facet to facet -------------------------------------------------------------------------------
@@ -320,38 +313,17 @@ def trace_polygons(
         all of it all. May change while this runs.
     """
     p, kind = len(solid.planes), solid.planes.dtype
-    most = p + len(solid.rim) + len(wedge) + 8
-    table, outlines, beams = (np.empty(shape, kind) for shape in ((3, most, 3), (p, most, 2), (p, BEAM)))
-    numbers = np.zeros(p, np.int64)
-    see_facets(solid, basis, wedge, rules.refractive_index, table, outlines, beams, numbers)
-    seen = np.flatnonzero(numbers)
-    corners = np.concatenate([outlines[i, : numbers[i]] for i in seen] or [outlines[:0, 0]])
-    waiting = empty_polygons(2 * len(corners) + 512, 2 * len(seen) + 64, kind)
-    waiting.corners[: len(corners)] = corners
-    for k, i in enumerate(seen):
-        waiting.ends[k], waiting.areas[k] = numbers[i], area(outlines[i], numbers[i])
-        waiting.facts[k], waiting.beams[k] = (0, k, 0, i, -1), beams[i]
-    nodes = np.empty((512 + len(seen), 2), np.int64)
-    nodes[: len(seen), 0], nodes[: len(seen), 1] = -1, seen
-    work = Work(
-        done=empty_polygons(1024, 256, kind),
-        waiting=waiting,
-        nodes=nodes,
-        used=np.array([0, 0, len(corners), len(seen), len(seen)]),
-        needed=np.zeros(6, np.int64),
-        sums=np.zeros(3),
-        table=table,
-        distances=np.empty((p, 3), kind),
-        ahead=Ahead(
-            np.empty(p), np.empty(p), np.empty(p, np.int64), np.empty(p, np.int64), np.empty((p, most))
-        ),
-    )
-    whole = float(waiting.areas[: len(seen)].real.sum())
+    work = empty_work(p, len(solid.rim) + len(wedge) + 8, kind)
+    see_facets(solid, basis, wedge, rules.refractive_index, work)
+    waiting, seen = work.waiting, int(work.used[WAITING])
+    outlines, numbers = waiting.corners[: work.used[STACK]].copy(), np.zeros(p, np.int64)
+    numbers[work.nodes[:seen, 1]] = waiting.ends[:seen]
+    whole = float(waiting.areas[:seen].real.sum())
     while not follow_polygons(solid, rules, whole, limits, work):
         work = with_room(work)
     n_corners, n = work.used[CORNERS], work.used[DONE]
     done = work.done
     return Traced(
         Polygons(done.corners[:n_corners], *(list_[:n] for list_ in done[1:])),
-        work.nodes[: work.used[NODES]], corners, np.cumsum(numbers), *map(float, work.sums),
+        work.nodes[: work.used[NODES]], outlines, np.cumsum(numbers), *map(float, work.sums),
     )  # fmt: skip
