@@ -27,7 +27,7 @@ REFERENCE_PERCENT = 2.0**-18
 #: Mitsuba computes paths in double precision but starts rays from, and stores results in, single precision:
 #: 2^-24 radii, a few hundred times as much in per cent where transmittance falls steeply.
 MITSUBA_PERCENT = 1e-4
-#: After so many reflections any rounding has grown beyond that; the path's end then is another place.
+#: Rays that meet the curved wall: after so many reflections any rounding has grown beyond that.
 FEW_REFLECTIONS = 40
 #: Rays that pass an edge within single precision's rounding may fall on either side of it, and long paths
 #: part; the cross-check allows one in a thousand to, and of a sample of 1000 that is at most three (two
@@ -80,8 +80,10 @@ def compare(observation, rng, most_parted, percent):
     assert (np.array([path.rear for path in paths]) == observation.rear_mask[pixels])[same].all()
     intensity = np.array([path.primary_intensity for path in paths])
     difference = np.abs(intensity - observation.primary_intensity[pixels])
+    wall = len(observation.stone.facets) - 1 if observation.stone.is_round else -1
+    at_wall = np.array([wall in path.facets for path in paths])
     few = np.array([path.reflections <= FEW_REFLECTIONS for path in paths])
-    assert difference[same & few].max() <= percent
+    assert difference[same & ~(at_wall & ~few)].max() <= percent
     assert np.count_nonzero(~few) <= PIXELS // 100
     assert len(set(codes)) > 50, "the pixels see many different paths"
 
