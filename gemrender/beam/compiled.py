@@ -22,7 +22,7 @@ from numba.extending import overload
 
 from gemrender.beam.cache import KernelCache
 
-__all__ = ["STEP", "angle_deg", "grown", "jit", "jit_fast", "jit_inner", "real", "root"]
+__all__ = ["STEP", "grown", "jit", "jit_fast", "jit_inner", "real", "root"]
 
 #: Imaginary part that stands for a derivative of 1: its square is nothing beside any real part.
 STEP = 1e-30
@@ -43,9 +43,9 @@ def jit_inner(function: Callable[..., Any]) -> Any:
 def jit_fast(function: Callable[..., Any]) -> Any:
     """Compile an inner function that never meets NaN, for vector instructions.
 
-    Nothing is allowed that changes a result's last bit, which would depend on what is compiled together.
+    Products and sums may be taken together (fused multiply-add), which changes last bits, and nothing more.
     """
-    return _compile(function, fastmath={"nnan", "nsz"}, **_INNER)
+    return _compile(function, fastmath={"nnan", "nsz", "contract"}, **_INNER)
 
 
 def _compile(function: Callable[..., Any], **more: Any) -> Any:
@@ -86,24 +86,6 @@ def _root(x: Any) -> Any:
         return math.sqrt(x)
 
     return dual if isinstance(x, types.Complex) else plain
-
-
-def angle_deg(cos: Any) -> Any:
-    """Return the angle of a cosine from 0 to 1 [deg]."""
-    return cmath.acos(cos) * (180.0 / math.pi)
-
-
-@overload(angle_deg)
-def _angle_deg(cos: Any) -> Any:
-    def dual(cos: Any) -> Any:
-        value = min(max(cos.real, 0.0), 1.0)
-        sin = math.sqrt(1.0 - value * value)
-        return complex(math.degrees(math.acos(value)), math.degrees(-cos.imag / sin) if sin > 0.0 else 0.0)
-
-    def plain(cos: Any) -> Any:
-        return math.degrees(math.acos(min(max(cos, 0.0), 1.0)))
-
-    return dual if isinstance(cos, types.Complex) else plain
 
 
 @jit_inner

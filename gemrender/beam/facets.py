@@ -5,23 +5,21 @@ from __future__ import annotations
 from contextlib import nullcontext
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any
 
 import numpy as np
 
 from gemrender.beam.budget import Budget, no_limits
-from gemrender.beam.compiled import jit
-from gemrender.beam.crossing import EXACT, GUBELIN
+from gemrender.beam.lists import Polygons
 from gemrender.beam.polygons import EXITED, GIRDLE_CELL, TRAPPED, trace_polygons
 from gemrender.beam.rules import Rules
 from gemrender.beam.solid import NO_WEDGE, BeamStone, beam_stone
-from gemrender.observation import LIGHT_LEVEL, REAR_RULES, Model, View
+from gemrender.measures import inoue
+from gemrender.observation import LIGHT_LEVEL, Model, RayStatus, View
+from gemrender.paths import Paths
 from gemrender.stone import Stone
 
-__all__ = ["FacetStatus", "VirtualFacets", "kernel_rules", "trace_facets"]
+__all__ = ["FacetStatus", "VirtualFacets", "along_paths", "kernel_rules", "polygon_paths", "trace_facets"]
 
-#: Beams of a smaller area are trapped [girdle radius^2].
-LEAST_AREA = 1e-14
 #: Virtual facets of a smaller area do not count among them: slivers that rounding makes [girdle radius^2].
 SMALLEST_FACET = 1e-12
 
@@ -29,10 +27,10 @@ SMALLEST_FACET = 1e-12
 class FacetStatus(IntEnum):
     """What became of the light of a virtual facet, followed back."""
 
-    EXITED = EXITED  #: it left the stone: here the light came in
-    TRAPPED = TRAPPED  #: still inside after the largest number of reflections, or too narrow
+    EXITED = int(EXITED)  #: it left the stone: here the light came in
+    TRAPPED = int(TRAPPED)  #: still inside after the largest number of reflections, or too narrow
     #: It comes near the curved girdle, where beams part, or the budget was spent: no polygon tells the rest.
-    GIRDLE = GIRDLE_CELL
+    GIRDLE = int(GIRDLE_CELL)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -56,7 +54,7 @@ class VirtualFacets:
     reflections : (n,) int64
         Total reflections, as far as the path is known.
     exit_direction : (n, 3) float64
-        Unit direction in which the ray followed back leaves.
+        Unit direction in which the ray followed back leaves; of the others the one that it has inside.
     node : (n,) int64
         Its last node in the tree of paths.
     nodes : (k, 2) int64
@@ -64,6 +62,8 @@ class VirtualFacets:
     exit_map : (n, 3, 3) float64
         Where the ray at (x, y) leaves: exit_map[0] + x exit_map[1] + y exit_map[2] [girdle radius]; of girdle
         cells where it was last reflected.
+    paths : Paths
+        What its light does, in columns; of girdle cells as far as the girdle (they count as missed).
     covered, covered_ends
         Outlines of the facets in the view as far as polygons tell them, for each plane where they end.
     unaccounted : float
@@ -72,8 +72,8 @@ class VirtualFacets:
         Area of the girdle cells that were made for want of time or memory [girdle radius^2].
     why_left_over : str
         Which of them, in words; empty where there was enough.
-    wedge : (k, 2) float64
-        Rows w with w . (x, y) <= 0 in the part of the view that was traced; none for all of it.
+    wedge : (k, 3) float64
+        Rows (a, b, c) with a x + b y + c <= 0 in the part of the view that was traced; none for all of it.
     stone, view, model
         What was traced. Of the view only its direction counts.
     """
@@ -90,6 +90,7 @@ class VirtualFacets:
     node: np.ndarray
     nodes: np.ndarray
     exit_map: np.ndarray
+    paths: Paths
     covered: np.ndarray
     covered_ends: np.ndarray
     unaccounted: float
@@ -136,30 +137,86 @@ class VirtualFacets:
         if not len(self.wedge):
             return np.ones(len(self), dtype=np.int64)
         images = self.stone.symmetry.images[: len(self.wedge)]  # of the mirrors beside the wedge
-        cut = _all_along(self.nodes, np.ascontiguousarray((images == np.arange(images.shape[1])).T))
-        number = cut[self.node].sum(axis=1)
+        stays = (images == np.arange(images.shape[1]))[:, self.nodes[:, 1]]
+        number = along_paths(self.nodes[:, 0], stays, np.logical_and)[:, self.node].sum(axis=0)
         return np.asarray(np.where(number == 2, 1, self.parts >> number))
 
 
-@jit
-def _all_along(nodes: Any, of_facet: Any) -> Any:
-    """Whether something holds of all facets on the path to each node (k, 2), from whether it does of each."""
-    out = np.empty((len(nodes), of_facet.shape[1]), np.bool_)
-    for node in range(len(nodes)):  # parents come first
-        parent, facet = nodes[node]
-        for k in range(of_facet.shape[1]):
-            out[node, k] = of_facet[facet, k] and (parent < 0 or out[parent, k])
+def along_paths(parents: np.ndarray, values: np.ndarray, combine: np.ufunc) -> np.ndarray:
+    """Combine the values of all nodes from the eye to each node, parents before children.
+
+    By doubling: after each round every node knows twice as many of those before it.
+
+    Parameters
+    ----------
+    parents : (k,) int64
+        Of each node its parent, -1 at the crown.
+    values : (..., k) array
+        Value of each node.
+    combine : ufunc
+        Associative.
+
+    Returns
+    -------
+    (..., k) array
+    """
+    out, before = values, parents
+    while (before >= 0).any():
+        more = np.flatnonzero(before >= 0)
+        out = out.copy()
+        out[..., more] = combine(out[..., before[more]], out[..., more])
+        before = np.where(before >= 0, before[before], -1)
     return out
 
 
 def kernel_rules(model: Model) -> Rules:
-    """Return the model as the kernels take it."""
+    """Return what the kernels need of the model."""
     return Rules(
         refractive_index=float(model.index),
-        law=GUBELIN if model.fresnel == "gubelin" else EXACT,
-        radiance=model.intensity == "radiance",
-        rear=REAR_RULES.index(model.rear),
         max_reflections=int(model.max_reflections),
+        cut_at_ground=model.rear == "position",
+        ground=float(model.ground),
+    )
+
+
+#: `RayStatus` of each `FacetStatus`; what of the view no polygon tells, others count.
+_RAY_STATUS = np.array([RayStatus.EXITED, RayStatus.TRAPPED, RayStatus.MISSED], dtype=np.int64)
+
+
+def polygon_paths(
+    polygons: Polygons, planes: np.ndarray, facet: np.ndarray, view: View, stone: Stone
+) -> Paths:
+    """Return the paths of polygons.
+
+    Parameters
+    ----------
+    polygons : Polygons
+        What was traced.
+    planes, facet
+        The planes that were traced (p, 4), and the facet that each belongs to (p + 1,).
+    view, stone : View, Stone
+        From where, and what.
+    """
+    status, _, reflections, entry, leaves = polygons.facts.T
+    exits = status == EXITED
+    ends = polygons.ends
+    starts = np.concatenate([[0], ends[:-1]]).astype(np.int64)
+    middles = polygons.corners[starts]
+    if len(ends):
+        middles = np.add.reduceat(polygons.corners, starts) / (ends - starts)[:, None]
+    beams, direction = polygons.beams, polygons.beams[:, 9:12]
+    cos_exit = (planes[leaves, :3] * direction).sum(axis=1)
+    return Paths(
+        area=polygons.areas,
+        status=_RAY_STATUS[status],
+        reflections=reflections,
+        entry_facet=facet[entry],
+        exit_facet=np.where(exits, facet[leaves], -1),
+        cos_entry=(planes[:, :3] @ view.basis()[2])[entry],
+        cos_exit=np.where(exits & (cos_exit.real > 0.0), cos_exit, 0.0),
+        exit_point=beams[:, :3] + middles[:, :1] * beams[:, 3:6] + middles[:, 1:] * beams[:, 6:9],
+        exit_direction=direction,
+        stone=stone,
     )
 
 
@@ -196,30 +253,33 @@ def trace_facets(
     view = view or View(resolution=1)
     model = model or Model.of(ready.stone)
     wedge = NO_WEDGE if whole else ready.wedge(view)
+    rules = kernel_rules(model)
     with budget.polygon_limits() if budget else nullcontext(no_limits()) as limits:
-        traced = trace_polygons(ready.solid, view.basis(), wedge, kernel_rules(model), LEAST_AREA, limits)
-    corners, ends, what, values, beams, nodes, covered, covered_ends, unaccounted, left_over = traced
+        traced = trace_polygons(ready.solid, view.basis(), wedge, rules, limits)
     why = ""
-    if budget is not None and left_over.any():
-        why = budget.memory_is_full if left_over[1] else budget.time_is_up
-    nodes[:, 1] = ready.facet[nodes[:, 1]]
+    if budget is not None and traced.no_time + traced.no_memory > 0.0:
+        why = budget.memory_is_full if traced.no_memory else budget.time_is_up
+    polygons, nodes = traced.polygons, traced.nodes
+    paths = polygon_paths(polygons, ready.solid.values, ready.facet, view, ready.stone)
+    rear = inoue.rear_mask(paths, model)
     return VirtualFacets(
-        corners=corners,
-        starts=np.concatenate([[0], ends[:-1]]).astype(np.int64),
-        ends=ends,
-        status=what[:, 0],
-        area=values[:, 0],
-        primary_intensity=LIGHT_LEVEL * values[:, 1],
-        rear_mask=what[:, 3] == 1,
-        reflections=what[:, 2],
-        exit_direction=values[:, 2:5],
-        node=what[:, 1],
-        nodes=nodes,
-        exit_map=beams[:, :9].reshape(-1, 3, 3),
-        covered=covered,
-        covered_ends=covered_ends,
-        unaccounted=unaccounted,
-        left_over=float(left_over.sum()),
+        corners=polygons.corners,
+        starts=np.concatenate([[0], polygons.ends[:-1]]).astype(np.int64),
+        ends=polygons.ends,
+        status=polygons.facts[:, 0],
+        area=polygons.areas,
+        primary_intensity=LIGHT_LEVEL * inoue.primary_intensity(paths, model, rear),
+        rear_mask=rear,
+        reflections=paths.reflections,
+        exit_direction=paths.exit_direction,
+        node=polygons.facts[:, 1],
+        nodes=np.column_stack([nodes[:, 0], ready.facet[nodes[:, 1]]]),
+        exit_map=polygons.beams[:, :9].reshape(-1, 3, 3),
+        paths=paths,
+        covered=traced.outlines,
+        covered_ends=traced.outline_ends,
+        unaccounted=traced.unaccounted,
+        left_over=traced.no_time + traced.no_memory,
         why_left_over=why,
         wedge=wedge,
         stone=ready.stone,

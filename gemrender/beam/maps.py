@@ -10,10 +10,11 @@ import numpy as np
 
 from gemrender.beam.budget import Budget
 from gemrender.beam.compiled import jit
-from gemrender.beam.facets import FacetStatus, VirtualFacets, kernel_rules, trace_facets
+from gemrender.beam.facets import FacetStatus, VirtualFacets, trace_facets
 from gemrender.beam.measure import measure_facets
-from gemrender.beam.rays import trace_rays
+from gemrender.beam.rays import RAY, enter_rays, follow_rays, ray_paths
 from gemrender.beam.solid import BeamStone, beam_stone
+from gemrender.measures import inoue
 from gemrender.observation import (
     LIGHT_LEVEL,
     MAP_TYPES,
@@ -81,7 +82,7 @@ def observe(
     right, up, _ = view.basis()
     x, y = view.cell_centres()
     maps = _empty_maps(view)
-    tables = _tables(facets)
+    codes = _path_codes(facets)
     rows = max(1, _BLOCK // view.resolution)
     for first in range(0, view.resolution, rows):
         block = slice(first, min(first + rows, view.resolution))
@@ -92,7 +93,7 @@ def observe(
         points = points.reshape(-1, 2)
         owner = pixel_facets(facets, points, view, first)
         part = {name: array[block].reshape(len(points), *array.shape[2:]) for name, array in maps.items()}
-        _fill(owner, points, *tables, *(part[name] for name in MAP_TYPES))
+        _fill_from_facets(part, facets, codes, owner, points)
         alone = np.flatnonzero(owner < 0)
         _fill_from_rays(part, ready, facets, alone, points[alone])
     return Observation(
@@ -163,69 +164,68 @@ def _empty_maps(view: View) -> dict[str, Any]:
     }
 
 
-def _tables(facets: VirtualFacets) -> tuple[np.ndarray, ...]:
-    """Return what `_fill` needs of each virtual facet."""
-    first, code = _from_the_eye(facets.nodes)
-    end = facets.node
-    left = facets.status == FacetStatus.EXITED
-    status = np.where(left, int(RayStatus.EXITED), int(RayStatus.TRAPPED))
-    exit_facet = np.where(left, facets.nodes[end, 1], -1)
-    numbers = np.stack([status, facets.reflections, first[end], exit_facet, code[end]], axis=1)
-    return facets.primary_intensity, facets.rear_mask, numbers, facets.exit_map, facets.exit_direction
+def _path_codes(facets: VirtualFacets) -> np.ndarray:
+    """Return the code of each virtual facet's path, (n,) int64.
+
+    A step of a code is c <- (c factor + f + 1) & mask: an affine function modulo a power of two, and so are
+    several of them one after the other.
+    """
+    parents, facet = facets.nodes.T
+    codes = facet + 1
+    before, factors = parents, np.full(len(parents), PATH_CODE_FACTOR)
+    while (before >= 0).any():  # by doubling, as `along_paths` does
+        more = np.flatnonzero(before >= 0)
+        codes, factors = codes.copy(), factors.copy()
+        earlier = before[more]
+        codes[more] = (codes[earlier] * factors[more] + codes[more]) & PATH_CODE_MASK
+        factors[more] = (factors[earlier] * factors[more]) & PATH_CODE_MASK
+        before = np.where(before >= 0, before[before], -1)
+    return np.asarray(codes[facets.node])
 
 
-@jit
-def _from_the_eye(nodes: Any) -> Any:
-    """Return the first facet, and the code, of the path to each node (k, 2)."""
-    first, code = np.empty(len(nodes), np.int64), np.empty(len(nodes), np.int64)
-    for node in range(len(nodes)):  # parents come first
-        parent, facet = nodes[node]
-        first[node] = facet if parent < 0 else first[parent]
-        before = 0 if parent < 0 else code[parent]
-        code[node] = (before * PATH_CODE_FACTOR + facet + 1) & PATH_CODE_MASK
-    return first, code
-
-
-@jit
-def _fill(
-    owner: Any, points: Any, facet_intensity: Any, facet_rear: Any, numbers: Any, exit_map: Any,
-    facet_direction: Any, primary_intensity: Any, rear_mask: Any, coverage: Any, status: Any,
-    reflections: Any, exit_point: Any, exit_direction: Any, entry_facet: Any, exit_facet: Any, path_code: Any,
-) -> None:  # fmt: skip
-    """Write what its virtual facet tells of each pixel into the maps, in the order of MAP_TYPES."""
-    for pixel in range(len(owner)):
-        f = owner[pixel]
-        if f < 0:
-            continue
-        primary_intensity[pixel] = facet_intensity[f]
-        rear_mask[pixel] = 1.0 if facet_rear[f] else 0.0
-        coverage[pixel] = 1.0
-        status[pixel], reflections[pixel] = numbers[f, 0], numbers[f, 1]
-        entry_facet[pixel], exit_facet[pixel], path_code[pixel] = numbers[f, 2], numbers[f, 3], numbers[f, 4]
-        if numbers[f, 3] < 0:
-            continue
-        x, y = points[pixel, 0], points[pixel, 1]
-        for k in range(3):
-            exit_point[pixel, k] = exit_map[f, 0, k] + x * exit_map[f, 1, k] + y * exit_map[f, 2, k]
-            exit_direction[pixel, k] = facet_direction[f, k]
+def _fill_from_facets(
+    maps: dict[str, Any], facets: VirtualFacets, codes: np.ndarray, owner: np.ndarray, points: np.ndarray
+) -> None:
+    """Write what its virtual facet tells of each pixel into the maps."""
+    pixel = np.flatnonzero(owner >= 0)
+    of, paths = owner[pixel], facets.paths
+    exits = paths.status[of] == RayStatus.EXITED
+    by_place, places = facets.exit_map[of], points[pixel]
+    point = by_place[:, 0] + places[:, :1] * by_place[:, 1] + places[:, 1:] * by_place[:, 2]
+    for name, value in {
+        "primary_intensity": facets.primary_intensity[of],
+        "rear_mask": facets.rear_mask[of],
+        "coverage": True,
+        "status": paths.status[of],
+        "reflections": paths.reflections[of],
+        "exit_point": np.where(exits[:, None], point, 0.0),
+        "exit_direction": np.where(exits[:, None], paths.exit_direction[of], 0.0),
+        "entry_facet": paths.entry_facet[of],
+        "exit_facet": paths.exit_facet[of],
+        "path_code": codes[of],
+    }.items():
+        maps[name][pixel] = value
 
 
 def _fill_from_rays(
     maps: dict[str, Any], ready: BeamStone, facets: VirtualFacets, pixel: np.ndarray, at: np.ndarray
 ) -> None:
-    found, numbers = trace_rays(at, facets.view.basis(), ready.solid, ready.facet, kernel_rules(facets.model))
-    status, met = numbers[:, 0], numbers[:, 0] != RayStatus.MISSED
-    surfaces = np.append(ready.facet, -1)  # the last one for none
+    """Write what single rays through places (n, 2) of the view find into pixels (n,) of the maps."""
+    model, rays = facets.model, np.zeros(len(at), RAY)
+    enter_rays(at, facets.view.basis(), ready.solid, ready.facet, model.index, rays)
+    follow_rays(ready.solid, ready.facet, model.index, model.max_reflections, rays)
+    paths = ray_paths(rays, ready.facet, np.zeros(len(at)), ready.stone)
+    rear, exits = inoue.rear_mask(paths, model), (paths.status == RayStatus.EXITED)[:, None]
     for name, value in {
-        "primary_intensity": LIGHT_LEVEL * found[:, 0],
-        "rear_mask": found[:, 1],
-        "coverage": met,
-        "status": status,
-        "reflections": numbers[:, 1],
-        "exit_point": found[:, 2:5],
-        "exit_direction": found[:, 5:8],
-        "entry_facet": surfaces[numbers[:, 2]],
-        "exit_facet": surfaces[numbers[:, 3]],
-        "path_code": numbers[:, 4],
+        "primary_intensity": LIGHT_LEVEL * inoue.primary_intensity(paths, model, rear),
+        "rear_mask": rear,
+        "coverage": paths.status != RayStatus.MISSED,
+        "status": paths.status,
+        "reflections": paths.reflections,
+        "exit_point": np.where(exits, paths.exit_point, 0.0),
+        "exit_direction": np.where(exits, paths.exit_direction, 0.0),
+        "entry_facet": paths.entry_facet,
+        "exit_facet": paths.exit_facet,
+        "path_code": rays["path_code"],
     }.items():
         maps[name][pixel] = value

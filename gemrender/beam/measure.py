@@ -9,11 +9,12 @@ import numpy as np
 
 from gemrender.beam.budget import Budget
 from gemrender.beam.facets import VirtualFacets, trace_facets
-from gemrender.beam.near_girdle import SETS, STUDENT_T, NearGirdle, sums_by_status
-from gemrender.beam.rays import BANDS, INTENSITY, LOST, MET, REAR, TRAPPED
+from gemrender.beam.near_girdle import SETS, STUDENT_T, NearGirdle
 from gemrender.beam.solid import BeamStone, beam_stone
 from gemrender.errors import InputError
-from gemrender.observation import LIGHT_LEVEL, Measurement, Model, RayStatus, View, bound_text
+from gemrender.measures import inoue
+from gemrender.measures.inoue import BANDS, INTENSITY, LOST, MET, REAR, TRAPPED
+from gemrender.observation import LIGHT_LEVEL, Measurement, Model, View, bound_text
 from gemrender.stone import Stone
 
 __all__ = ["BOUND_RANGE", "check_bound", "facet_sums", "measure", "measure_facets"]
@@ -94,11 +95,11 @@ def measure_facets(
     wanted = check_bound(bound)
     ready = stone if isinstance(stone, BeamStone) else beam_stone(stone)
     facets = trace_facets(ready, view=view, model=model, whole=False, budget=budget)
-    told, near = facet_sums(facets), NearGirdle(ready, facets, seed)
+    resolved, near = facet_sums(facets), NearGirdle(ready, facets, seed)
     rays = _FIRST_RAYS
     while True:
         near.go_on(near.numbers(rays), progress, budget)
-        sums = told + near.found()
+        sums = resolved + near.found()
         each = 100.0 * sums / sums[:, MET:]
         scores, error = each.mean(axis=0), each.std(axis=0, ddof=1) / np.sqrt(SETS)
         unsolved, scatter = float(scores[TRAPPED] + scores[LOST]), float(STUDENT_T * error.max())
@@ -122,7 +123,7 @@ def measure_facets(
         rays=near.rays,
         area=facets.parts * area,
         sizes=np.repeat((100.0 / area * facets.area / images)[counted], images[counted]),
-        girdle=100.0 * (1.0 - told[MET] / area),
+        girdle=100.0 * (1.0 - resolved[MET] / area),
         seconds=time.perf_counter() - start,
         notes=(*_left_over(facets), *missed),
     )
@@ -150,13 +151,8 @@ def _missed(bound: float, wanted: float, unsolved: float, stopped: Budget | None
     return (f"bound {bound_text(bound)} instead of {wanted:g}: {why}",)
 
 
-_STATUS = np.array([RayStatus.EXITED, RayStatus.TRAPPED, RayStatus.MISSED])  # by FacetStatus
-
-
 def facet_sums(facets: VirtualFacets) -> np.ndarray:
-    """Sum up the virtual facets whose whole path is known, (N_SUMS,) as `rays` has it [girdle radius^2]."""
-    sums = sums_by_status(
-        facets.area, facets.primary_intensity / LIGHT_LEVEL, facets.rear_mask, _STATUS[facets.status]
-    )
+    """Sum up the virtual facets whose whole path is known, (N_SUMS,) as `inoue` has it [girdle radius^2]."""
+    sums = inoue.sum_up(facets.paths, facets.rear_mask, facets.primary_intensity / LIGHT_LEVEL)[0]
     sums[[TRAPPED, MET]] += facets.unaccounted
-    return sums
+    return np.asarray(sums)

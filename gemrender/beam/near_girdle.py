@@ -17,23 +17,14 @@ import numpy as np
 
 from gemrender.beam.budget import Budget
 from gemrender.beam.facets import FacetStatus, VirtualFacets, kernel_rules
-from gemrender.beam.rays import (
-    BAND_EDGES,
-    BANDS,
-    INTENSITY,
-    LOST,
-    MET,
-    N_SUMS,
-    REAR,
-    TRAPPED,
-    sum_rays,
-)
+from gemrender.beam.rays import INSIDE, RAY, enter_rays, follow_rays, ray_paths
 from gemrender.beam.rim import rim_points
 from gemrender.beam.solid import BeamStone
 from gemrender.beam.view_area import view_area
-from gemrender.observation import RayStatus
+from gemrender.measures import inoue
+from gemrender.measures.inoue import MET, N_SUMS
 
-__all__ = ["CELLS", "RIM", "SETS", "STUDENT_T", "NearGirdle", "sums_by_status"]
+__all__ = ["CELLS", "RIM", "SETS", "STUDENT_T", "NearGirdle"]
 
 #: Independent sets of rays; Student's t for their mean with 15 degrees of freedom, two-sided, 99.9 %. More
 #: sets have a smaller t, and fewer rays each: for the same rays 16 give the smallest bound.
@@ -80,13 +71,13 @@ class NearGirdle:
     """
 
     def __init__(self, ready: BeamStone, facets: VirtualFacets, seed: int) -> None:
-        self._ready, self._basis, self._rules = ready, facets.view.basis(), kernel_rules(facets.model)
+        self._ready, self._model, self._rules = ready, facets.model, kernel_rules(facets.model)
         self._shifts = np.random.default_rng(seed).random((SETS, 2, 2))
         self.stopped = False
         self.sums, self.rays, self._done = np.zeros((SETS, 2, N_SUMS)), 0, [0, 0]
         self._seconds = [0.0, 0.0]
         cells = _Cells(facets)
-        self._regions: tuple[_Region, _Region] = (cells, _Rim(facets))
+        self._regions: tuple[_Region, _Region] = (cells, _Rim(ready, facets))
         self.cell_area = cells.area
         seen = float(facets.area.sum())
         is_round = facets.stone.is_round  # else polygons tell all of the view
@@ -143,16 +134,16 @@ class NearGirdle:
 
     def _trace(self, region: _Region, unit: np.ndarray) -> np.ndarray:
         """Follow the rays of all sets through points of the unit square (SETS, n, 2); (SETS, N_SUMS)."""
+        solid, facet, rules = self._ready.solid, self._ready.facet, self._rules
 
         def some_sets(part: np.ndarray) -> np.ndarray:
             n = part.shape[1]
-            points, weights, of = region.points(part.reshape(-1, 2))
-            return np.asarray(
-                sum_rays(
-                    points, weights / n, of // n, len(part),
-                    self._basis, self._ready.solid, self._ready.facet, self._rules,
-                )
-            )  # fmt: skip
+            rays, weights, of = region.rays(part.reshape(-1, 2))
+            follow_rays(solid, facet, rules.refractive_index, rules.max_reflections, rays)
+            paths = ray_paths(rays, facet, weights / n, self._ready.stone)
+            rear = inoue.rear_mask(paths, self._model)
+            intensity = inoue.primary_intensity(paths, self._model, rear)
+            return inoue.sum_up(paths, rear, intensity, of // n, len(part))
 
         self.rays += unit.shape[0] * unit.shape[1]
         if unit.shape[0] * unit.shape[1] < _THREAD_RAYS:
@@ -171,14 +162,15 @@ class NearGirdle:
 
 
 class _Region(Protocol):
-    """A part of the view that points can be spread over."""
+    """A part of the view that rays can be spread over."""
 
-    def points(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Spread points of the unit square (n, 2) over it.
+    def rays(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Spread rays over it by points of the unit square (n, 2).
 
         Returns
         -------
-        places : (m, 2) float64
+        rays : (m,) array of `rays.RAY`
+            Rays inside the stone.
         weights : (m,) float64
             What each counts, if there were but one point in the unit square.
         of : (m,) int64
@@ -188,11 +180,13 @@ class _Region(Protocol):
 
 
 class _Cells:
-    """The girdle cells, as triangles one after the other."""
+    """The girdle cells, as triangles one after the other; their rays go on where the polygons end."""
 
     def __init__(self, facets: VirtualFacets) -> None:
-        cells = facets.status == FacetStatus.GIRDLE
+        self._facets = facets
+        cells = np.flatnonzero(facets.status == FacetStatus.GIRDLE)
         first, number = facets.starts[cells], (facets.ends - facets.starts)[cells] - 2
+        self._cell = np.repeat(cells, number)
         # Of each cell a fan of triangles about its first corner.
         apex = np.repeat(first, number)
         second = apex + 1 + np.arange(len(apex)) - np.repeat(np.cumsum(number) - number, number)
@@ -201,7 +195,7 @@ class _Cells:
         self._upto = np.cumsum(0.5 * np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]))
         self.area = float(self._upto[-1]) if len(self._upto) else 0.0
 
-    def points(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def rays(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         x = unit[:, 0] * self.area
         k = np.minimum(np.searchsorted(self._upto, x, side="right"), len(self._upto) - 1)
         below = np.where(k > 0, self._upto[k - 1], 0.0)
@@ -209,14 +203,21 @@ class _Cells:
         along = unit[:, 1:]
         a, b, c = self._triangles[k].transpose(1, 0, 2)
         places = (1 - across) * a + across * ((1 - along) * b + along * c)
-        return places, np.full(len(x), self.area), np.arange(len(x))
+        cell, paths = self._cell[k], self._facets.paths
+        by_place = self._facets.exit_map[cell]
+        rays = np.zeros(len(x), RAY)
+        rays["status"], rays["exit"] = INSIDE, -1
+        rays["reflections"], rays["entry"] = paths.reflections[cell], paths.entry_facet[cell]
+        rays["cos_entry"], rays["direction"] = paths.cos_entry[cell], paths.exit_direction[cell]
+        rays["point"] = by_place[:, 0] + places[:, :1] * by_place[:, 1] + places[:, 1:] * by_place[:, 2]
+        return rays, np.full(len(x), self.area), np.arange(len(x))
 
 
 class _Rim:
     """What of the view no polygon covers: a narrow rim, and the girdle where it is seen from the side."""
 
-    def __init__(self, facets: VirtualFacets) -> None:
-        self._facets = facets
+    def __init__(self, ready: BeamStone, facets: VirtualFacets) -> None:
+        self._ready, self._facets = ready, facets
         self._reach = facets.stone.reach if facets.view.tilt_deg else 1.0
         # Lines that lie along no edge of a symmetric stone; in a wedge they cross the rim steeply.
         self._azimuth, self._low, self._high = 0.1234, -self._reach, self._reach
@@ -225,30 +226,13 @@ class _Rim:
             self._azimuth = 0.5 * (first + last) + 0.05
             self._low, self._high = np.sin(first - self._azimuth), np.sin(last - self._azimuth)
 
-    def points(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def rays(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         facets, across = self._facets, self._low + (self._high - self._low) * unit[:, 0]
         places, lengths, lines = rim_points(
             facets.covered, facets.covered_ends, facets.wedge, self._reach, self._azimuth, across, unit[:, 1]
         )
-        return places, lengths * (self._high - self._low), lines
-
-
-def sums_by_status(
-    weights: np.ndarray, intensity: np.ndarray, rear: np.ndarray, status: np.ndarray
-) -> np.ndarray:
-    """Sum up weights (n,) by what became of the light: intensity (0 to 1), rear mask, `RayStatus`, all (n,).
-
-    Returns
-    -------
-    (N_SUMS,) float64
-    """
-    sums = np.zeros(N_SUMS)
-    sums[INTENSITY] = weights @ intensity
-    sums[REAR] = weights[rear].sum()
-    sums[TRAPPED] = weights[status == RayStatus.TRAPPED].sum()
-    sums[LOST] = weights[status == RayStatus.LOST].sum()
-    lit = (status == RayStatus.EXITED) & ~rear
-    band = (intensity[:, None] < BAND_EDGES).sum(axis=1)
-    sums[BANDS : BANDS + 6] = np.bincount(band[lit], weights[lit], minlength=6)
-    sums[MET] = weights[status != RayStatus.MISSED].sum()
-    return sums
+        rays = np.zeros(len(places), RAY)
+        enter_rays(
+            places, facets.view.basis(), self._ready.solid, self._ready.facet, facets.model.index, rays
+        )  # fmt: skip
+        return rays, lengths * (self._high - self._low), lines

@@ -1,14 +1,16 @@
-"""Parallel beams through a convex stone, compiled: the top view cut into polygons of one path each.
+"""Parallel beams through a convex stone, compiled: the view cut into polygons of one path each.
 
 The beam that a plane facet refracts stays parallel. Along it a point is an affine function of the place
 (u, v) in the view, so the distance to each facet's plane is affine too, and the facet that is met next is the
-lower envelope of affine functions: the polygon falls into one convex cell for each facet that it meets. Total
-reflection sends the cell on, below the critical angle it is done, cut once more along z = 0.
+lower envelope of affine functions (`ahead`): the polygon falls into one convex cell for each facet that it
+meets. Total reflection sends the cell on, below the critical angle it is done.
 
-The girdle is curved. Before it stand upright planes inside the stone, its `walls`: a cell that meets one is
-given out as a girdle cell, for single rays (`rays`) to follow, and no other polygon ever comes near the
+A round girdle is curved. Before it stand upright planes inside the stone, its `walls`: a cell that meets one
+is given out as a girdle cell, for single rays (`rays`) to follow, and no other polygon ever comes near the
 girdle. Where a stone makes more polygons than time and memory allow (`budget`), those that wait are given out
 likewise.
+
+Geometry only: what is made of the paths is others' business (`gemrender.measures`).
 """
 
 from __future__ import annotations
@@ -17,289 +19,289 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from gemrender.beam.compiled import grown, jit, jit_inner, real
-from gemrender.beam.crossing import crossing_factor, into_air, into_stone, is_total
-from gemrender.beam.rules import REAR_FACET, REAR_POSITION
-from gemrender.stone.facets import LEVEL
+from gemrender.beam.ahead import Ahead, planes_ahead
+from gemrender.beam.beams import (
+    BEAM,
+    beam_at,
+    beyond,
+    is_cut_by_ground,
+    is_within,
+    moved,
+    seen_at,
+    turned,
+    write_beam,
+    write_distance,
+)
+from gemrender.beam.clipping import area, copy_out, keep_below
+from gemrender.beam.compiled import jit, jit_inner, real
+from gemrender.beam.crossing import into_air, into_stone, is_total
+from gemrender.beam.lists import (
+    CORNER_BYTES,
+    CORNERS,
+    DONE,
+    NO_MEMORY,
+    NO_TIME,
+    NODE_BYTES,
+    NODES,
+    POLYGON_BYTES,
+    STACK,
+    TABLE,
+    UNACCOUNTED,
+    WAITING,
+    Path,
+    Polygons,
+    Work,
+    empty_polygons,
+    has_room,
+    push,
+    store,
+    with_room,
+)
+from gemrender.beam.rules import Rules, Solid
 
-__all__ = ["EXITED", "GIRDLE_CELL", "N_STATE", "TRAPPED", "area", "trace_polygons"]
+__all__ = ["EXITED", "GIRDLE_CELL", "TRAPPED", "Traced", "follow_polygons", "see_facets", "trace_polygons"]
 
+# Whole numbers of numpy's: for a plain one that is passed on numba compiles a function of its own.
 #: What became of a polygon.
-EXITED, TRAPPED, GIRDLE_CELL = 0, 1, 2
+EXITED, TRAPPED, GIRDLE_CELL = (np.int64(k) for k in range(3))
+#: No plane; and the parts of a table (`clipping`).
+_NONE, _FIRST, _WHOLE = np.int64(-1), np.int64(0), np.int64(2)
+_SQUARE = np.int64(4)
 
-#: Numbers that a beam is: its point on the last surface at (u, v), origin + u by_u + v by_v (9 numbers), its
-#: direction (3), and T S of its crossing towards the eye.
-N_STATE = 13
-#: Most corners of a polygon; what one more would hold is told as unaccounted for.
-_MOST_CORNERS = 64
-#: Half the side of the square that the view's polygons are cut from [girdle radius].
-_SQUARE = 8.0
+#: A beam of a smaller area is trapped [girdle radius^2].
+_LEAST_AREA = 1e-14
 #: Polygons thinner than rounding have no inside: an area below this [girdle radius^2] is passed over.
 _NO_AREA = 1e-17
-#: What the lists hold of each [bytes]: of a node, of a corner, and of a polygon besides.
-_NODE_BYTES, _CORNER_BYTES, _POLYGON_BYTES = 16, 16, 8 * (1 + 4 + 5 + N_STATE)
+#: Facets whose normals have a smaller cosine with the direction to the eye are not seen.
+_LEAST_FACING = 1e-9
+
+
+class Traced(NamedTuple):
+    """What a trace has found.
+
+    polygons : Polygons
+        The polygons.
+    nodes : (k, 2) int64
+        As in `Work`.
+    outlines : (c, 2), outline_ends : (p,) int64
+        Outline of each plane in the view, as far as the rim, and where its corners end.
+    unaccounted, no_time, no_memory : float
+        As `sums` in `Work`.
+    """
+
+    polygons: Polygons
+    nodes: np.ndarray
+    outlines: np.ndarray
+    outline_ends: np.ndarray
+    unaccounted: float
+    no_time: float
+    no_memory: float
+
+
+# ---- The facets that the eye sees ----------------------------------------------------------------------
 
 
 @jit
-def area(polygon: Any, n: int) -> Any:
-    """Return the area of a polygon's first n corners, anticlockwise positive (Gauss's formula)."""
-    total = polygon[0, 0] * 0.0
-    for k in range(1, n - 1):
-        ax, ay = polygon[k, 0] - polygon[0, 0], polygon[k, 1] - polygon[0, 1]
-        bx, by = polygon[k + 1, 0] - polygon[0, 0], polygon[k + 1, 1] - polygon[0, 1]
-        total += ax * by - ay * bx
-    return 0.5 * total
+def see_facets(
+    solid: Any, basis: Any, wedge: Any, index: float, table: Any, outlines: Any, beams: Any,
+    numbers: Any,
+) -> None:  # fmt: skip
+    """Cut the facets that the eye sees out of the view: what lies within all planes, the rim and the wedge.
 
-
-@jit
-def clip(polygon: Any, n: int, a: Any, b: Any, c: Any, out: Any) -> int:
-    """Keep the part of a convex polygon where a + b u + c v <= 0; return its number of corners."""
-    m = 0
-    here = a + b * polygon[n - 1, 0] + c * polygon[n - 1, 1]
-    for k in range(n):
-        before = k - 1 if k > 0 else n - 1
-        there = a + b * polygon[k, 0] + c * polygon[k, 1]
-        if (real(here) <= 0.0) != (real(there) <= 0.0):
-            share = here / (here - there)
-            if m < _MOST_CORNERS:
-                out[m, 0] = polygon[before, 0] + share * (polygon[k, 0] - polygon[before, 0])
-                out[m, 1] = polygon[before, 1] + share * (polygon[k, 1] - polygon[before, 1])
-                m += 1
-        if real(there) <= 0.0 and m < _MOST_CORNERS:
-            out[m, 0], out[m, 1] = polygon[k, 0], polygon[k, 1]
-            m += 1
-        here = there
-    return m if m > 2 else 0
-
-
-class _Found(NamedTuple):
-    """The polygons that are done; see `trace_polygons`."""
-
-    corners: Any
-    ends: Any
-    what: Any
-    values: Any
-    states: Any
-    counts: Any  # (2,) of corners, and of polygons
-
-
-class _Waiting(NamedTuple):
-    """Polygons that wait to be followed on, the last one first."""
-
-    corners: Any  # (k, _MOST_CORNERS, 2)
-    beams: Any  # (k, N_STATE)
-    facts: Any  # (k, 3): number of corners, node, reflections
-    count: Any  # (1,)
-
-
-class _Ahead(NamedTuple):
-    """The planes ahead of a beam."""
-
-    distances: Any  # (p, 3): distance along the beam at (u, v) is d0 + u d1 + v d2
-    slopes: Any  # (p,) cosine between beam and normal; planes with 0 and less lie behind
-    at_corners: Any  # (p, _MOST_CORNERS) distances at the polygon's corners
-    nearest: Any  # (_MOST_CORNERS,) the plane that is nearest at each corner
-    candidates: Any  # (p,) the planes that may be nearest somewhere
-
-
-@jit_inner
-def _copy(polygon: Any, n: int, out: Any) -> None:
-    """Copy the first n corners; by a plain loop, which compiles much sooner than slices."""
-    for k in range(n):
-        out[k, 0], out[k, 1] = polygon[k, 0], polygon[k, 1]
-
-
-@jit_inner
-def _store(
-    found: Any, polygon: Any, n: int, size: Any, status: int, node: int, reflections: int, rear: bool,
-    intensity: Any, direction: Any, state: Any,
-) -> Any:  # fmt: skip
-    """Add a polygon to those that are done; return them, in larger arrays where there was no room."""
-    n_corners, m = found.counts[0], found.counts[1]
-    while n_corners + n > found.corners.shape[0]:
-        found = _Found(
-            grown(found.corners), found.ends, found.what, found.values, found.states, found.counts
-        )  # fmt: skip
-    if m == found.ends.shape[0]:
-        found = _Found(
-            found.corners, grown(found.ends), grown(found.what), grown(found.values),
-            grown(found.states), found.counts,
-        )  # fmt: skip
-    _copy(polygon, n, found.corners[n_corners:])
-    found.ends[m] = n_corners + n
-    what = found.what[m]
-    what[0], what[1], what[2], what[3] = status, node, reflections, 1 if rear else 0
-    found.values[m, 0], found.values[m, 1] = size, intensity
-    for k in range(3):
-        found.values[m, 2 + k] = direction[k]
-    for k in range(N_STATE):
-        found.states[m, k] = state[k]
-    found.counts[0], found.counts[1] = n_corners + n, m + 1
-    return found
-
-
-@jit_inner
-def _push(waiting: Any, polygon: Any, n: int, node: int, reflections: int, beam: Any) -> Any:
-    """Let a polygon wait; return those that wait, in larger arrays where there was no room."""
-    k = waiting.count[0]
-    if k == waiting.facts.shape[0]:
-        waiting = _Waiting(grown(waiting.corners), grown(waiting.beams), grown(waiting.facts), waiting.count)
-    _copy(polygon, n, waiting.corners[k])
-    for e in range(N_STATE):
-        waiting.beams[k, e] = beam[e]
-    waiting.facts[k, 0], waiting.facts[k, 1], waiting.facts[k, 2] = n, node, reflections
-    waiting.count[0] = k + 1
-    return waiting
-
-
-@jit_inner
-def _point_on(i: int, facing: Any, planes: Any, basis: Any, state: Any) -> None:
-    """Fill in where the eye's ray at (u, v) meets plane i: u right + v up + h eye, h affine in u and v."""
-    nx, ny, nz = planes[i, 0], planes[i, 1], planes[i, 2]
-    h0 = planes[i, 3] / facing
-    hu = -(nx * basis[0, 0] + ny * basis[0, 1] + nz * basis[0, 2]) / facing
-    hv = -(nx * basis[1, 0] + ny * basis[1, 1] + nz * basis[1, 2]) / facing
-    for k in range(3):
-        state[k] = h0 * basis[2, k]
-        state[3 + k] = basis[0, k] + hu * basis[2, k]
-        state[6 + k] = basis[1, k] + hv * basis[2, k]
-
-
-@jit_inner
-def _outline(i: int, state: Any, solid: Any, wedge: Any, out: Any, spare: Any) -> int:
-    """Cut a plane's facet out of the view: what lies within all other planes, the rim and the wedge."""
-    planes, rim = solid.planes, solid.rim
-    zero = planes[0, 0] * 0.0
-    for k in range(4):
-        out[k, 0] = zero + (_SQUARE if k in (1, 2) else -_SQUARE)
-        out[k, 1] = zero + (_SQUARE if k > 1 else -_SQUARE)
-    n = 4
-    for w in range(wedge.shape[0]):
-        n = clip(out, n, zero, zero + wedge[w, 0], zero + wedge[w, 1], spare) if n else 0
-        _copy(spare, n, out)
-    for j in range(planes.shape[0]):
-        if j != i and n:
-            n = clip(
-                out, n,
-                planes[j, 0] * state[0] + planes[j, 1] * state[1] + planes[j, 2] * state[2] - planes[j, 3],
-                planes[j, 0] * state[3] + planes[j, 1] * state[4] + planes[j, 2] * state[5],
-                planes[j, 0] * state[6] + planes[j, 1] * state[7] + planes[j, 2] * state[8],
-                spare,
-            )  # fmt: skip
-            _copy(spare, n, out)
-    for w in range(rim.shape[0]):
-        if n:
-            a, b, c = _beyond_wall(rim, w, state)
-            n = clip(out, n, a, b, c, spare)
-            _copy(spare, n, out)
-    return n
-
-
-@jit_inner
-def _beyond_wall(walls: Any, w: int, state: Any) -> Any:
-    """Return how far a beam's points lie beyond a wall: a + b u + c v."""
-    return (
-        walls[w, 0] * state[0] + walls[w, 1] * state[1] - walls[w, 2],
-        walls[w, 0] * state[3] + walls[w, 1] * state[4],
-        walls[w, 0] * state[6] + walls[w, 1] * state[7],
-    )
-
-
-@jit_inner
-def _look_ahead(planes: Any, beam: Any, polygon: Any, n: int, ahead: Any) -> int:
-    """Find the planes that a beam may meet next; return how many."""
-    for k in range(n):
-        ahead.nearest[k] = -1
-    for j in range(planes.shape[0]):
-        nx, ny, nz = planes[j, 0], planes[j, 1], planes[j, 2]
-        slope = nx * beam[9] + ny * beam[10] + nz * beam[11]
-        ahead.slopes[j] = slope
-        if real(slope) <= 0.0:
+    Parameters
+    ----------
+    solid, basis, wedge
+        As for `trace_polygons`.
+    index : float
+        Refractive index.
+    table : (3, m, 3) array
+        Room for p + w' + k + 5 corners.
+    outlines : (p, m, 2), beams : (p, BEAM)
+        For each plane the corners of its outline and the beam inside are written here.
+    numbers : (p,) int64
+        Number of corners of each outline; stays 0 if it is not seen.
+    """
+    planes, rim, side, zero = solid.planes, solid.rim, 2.0 * solid.reach, solid.planes[0, 0] * 0.0
+    ex, ey, ez = basis[2, 0], basis[2, 1], basis[2, 2]
+    for i in range(planes.shape[0]):
+        plane = planes[i]
+        facing = plane[0] * ex + plane[1] * ey + plane[2] * ez
+        if real(facing) <= _LEAST_FACING:
             continue
-        d0 = (planes[j, 3] - (nx * beam[0] + ny * beam[1] + nz * beam[2])) / slope
-        du = -(nx * beam[3] + ny * beam[4] + nz * beam[5]) / slope
-        dv = -(nx * beam[6] + ny * beam[7] + nz * beam[8]) / slope
-        ahead.distances[j, 0], ahead.distances[j, 1], ahead.distances[j, 2] = d0, du, dv
-        for k in range(n):
-            t = real(d0 + du * polygon[k, 0] + dv * polygon[k, 1])
-            ahead.at_corners[j, k] = t
-            if ahead.nearest[k] < 0 or t < ahead.at_corners[ahead.nearest[k], k]:
-                ahead.nearest[k] = j
-
-    count = 0
-    for k in range(n):
-        new = True
-        for c in range(count):
-            new = new and ahead.candidates[c] != ahead.nearest[k]
-        if new:
-            ahead.candidates[count] = ahead.nearest[k]
-            count += 1
-    if count == 1:  # nearest at all corners, and so everywhere: the lower envelope is concave
-        return 1
-    # A plane that is further than one of these at every corner is so everywhere.
-    n_nearest = count
-    for j in range(planes.shape[0]):
-        if real(ahead.slopes[j]) <= 0.0:
+        beam = seen_at(plane, facing, basis)
+        for k in range(4):
+            table[0, k, 0] = zero + (side if k in (1, 2) else -side)
+            table[0, k, 1] = zero + (side if k > 1 else -side)
+        part, n = _FIRST, _SQUARE
+        for j in range(wedge.shape[0] + planes.shape[0] + rim.shape[0]):
+            w, r = j - planes.shape[0], j - planes.shape[0] - wedge.shape[0]
+            if n == 0 or j == i:
+                continue
+            if w < 0:
+                other = planes[j]
+                a, b, c = beyond(other[0], other[1], other[2], other[3], beam)
+            elif r < 0:
+                a, b, c = zero + wedge[w, 2], zero + wedge[w, 0], zero + wedge[w, 1]
+            else:
+                a, b, c = beyond(zero + rim[r, 0], zero + rim[r, 1], zero, zero + rim[r, 2], beam)
+            part, n = keep_below(table, part, n, a, b, c)
+        if n == 0 or real(area(table[part], n)) < _NO_AREA:
             continue
-        possible = True
-        for c in range(n_nearest):
-            closer = False
-            for k in range(n):
-                closer = closer or ahead.at_corners[j, k] < ahead.at_corners[ahead.candidates[c], k]
-            possible = possible and closer
-        if possible:
-            ahead.candidates[count] = j
-            count += 1
-    return count
+        numbers[i] = n
+        copy_out(table, part, n, outlines[i], _FIRST)
+        dx, dy, dz, _, _ = into_stone(zero - ex, zero - ey, zero - ez, plane[0], plane[1], plane[2], index)
+        write_beam(turned(beam, dx, dy, dz), beams, i)
+
+
+# ---- From facet to facet -------------------------------------------------------------------------------
 
 
 @jit_inner
-def _cell(which: int, count: int, ahead: Any, polygon: Any, n: int, out: Any, spare: Any) -> int:
+def _cell(which: int, count: int, n: int, work: Any) -> Any:
     """Cut the part out of a polygon at which one of the candidates is the nearest plane."""
-    _copy(polygon, n, out)
-    i = ahead.candidates[which]
+    table, distances, candidates = work.table, work.distances, work.ahead.candidates
+    for k in range(n):
+        table[0, k, 0], table[0, k, 1] = table[2, k, 0], table[2, k, 1]
+    part, here = _FIRST, distances[candidates[which]]
     for c in range(count):
-        if c == which or n == 0:
-            continue
-        j = ahead.candidates[c]
-        n = clip(
-            out, n,
-            ahead.distances[i, 0] - ahead.distances[j, 0],
-            ahead.distances[i, 1] - ahead.distances[j, 1],
-            ahead.distances[i, 2] - ahead.distances[j, 2],
-            spare,
-        )  # fmt: skip
-        _copy(spare, n, out)
-    return n
+        if c != which and n:
+            there = distances[candidates[c]]
+            part, n = keep_below(table, part, n, here[0] - there[0], here[1] - there[1], here[2] - there[2])
+    return part, n
 
 
 @jit_inner
-def _is_within(polygon: Any, n: int, state: Any, radius: float) -> bool:
-    """Whether all of a polygon's points on a plane lie within this radius of the axis: so do its corners."""
-    for k in range(n):
-        x = real(state[0] + state[3] * polygon[k, 0] + state[6] * polygon[k, 1])
-        y = real(state[1] + state[4] * polygon[k, 0] + state[7] * polygon[k, 1])
-        if x * x + y * y > radius * radius:
+def _at_walls(walls: Any, part: int, n: int, met: Any, before: Any, path: Any, work: Any) -> Any:
+    """Give out what of a cell lies beyond the walls; return what is left, and the area given out."""
+    given, zero = 0.0, met.x * 0.0
+    for w in range(walls.shape[0]):
+        if n == 0:
+            break
+        a, b, c = beyond(zero + walls[w, 0], zero + walls[w, 1], zero, zero + walls[w, 2], met)
+        other, m = keep_below(work.table, part, n, -a, -b, -c)
+        if m == 0:
+            continue
+        size = area(work.table[other], m)
+        if real(size) >= _NO_AREA:
+            given += real(size)
+            store(GIRDLE_CELL, path, _NONE, before, other, m, size, work)
+        part, n = keep_below(work.table, part, n, a, b, c)
+    return part, n, given
+
+
+@jit_inner
+def _leave(
+    path: Any, leaves: int, beam: Any, part: int, n: int, size: Any, rules: Any, work: Any
+) -> Any:  # fmt: skip
+    """Write a polygon that leaves into the list, cut at the ground if that is asked for; return its area."""
+    if not (rules.cut_at_ground and is_cut_by_ground(work.table[part], n, beam, rules.ground)):
+        store(EXITED, path, leaves, beam, part, n, size, work)
+        return real(size)
+    written = 0.0
+    for sign in (1.0, -1.0):
+        other, m = keep_below(
+            work.table, part, n, sign * (beam.z - rules.ground), sign * beam.zu, sign * beam.zv
+        )
+        size = area(work.table[other], m)
+        if m and real(size) >= _NO_AREA:
+            written += real(size)
+            store(EXITED, path, leaves, beam, other, m, size, work)
+    return written
+
+
+@jit
+def follow_polygons(solid: Any, rules: Any, seen: float, limits: Any, work: Any) -> bool:
+    """Follow the polygons that wait until they leave the stone.
+
+    Parameters
+    ----------
+    solid, rules, limits
+        As for `trace_polygons`.
+    seen : float
+        Area of all that is traced [girdle radius^2].
+    work : Work
+        The lists, which are changed.
+
+    Returns
+    -------
+    bool
+        Whether all is done; if not, some list has too little room (`needed`).
+    """
+    planes, walls, index = solid.planes, solid.walls, rules.refractive_index
+    used, waiting, table, candidates = work.used, work.waiting, work.table, work.ahead.candidates
+    inner = np.inf
+    for w in range(walls.shape[0]):
+        inner = min(inner, walls[w, 2])
+    while used[WAITING] > 0:
+        top = used[WAITING] - 1
+        n, size, facts, beam = (
+            waiting.ends[top],
+            waiting.areas[top],
+            waiting.facts[top],
+            beam_at(waiting.beams, top),
+        )
+        first = used[STACK] - n
+        if n > table.shape[1]:
+            work.needed[TABLE] = n
             return False
+        for k in range(n):
+            table[2, k, 0], table[2, k, 1] = waiting.corners[first + k, 0], waiting.corners[first + k, 1]
+        count = planes_ahead(solid.columns, beam, table[2], n, work.ahead)
+        if not has_room(n, count, walls.shape[0], work):
+            return False
+        path, left = Path(facts[1], facts[2], facts[3]), real(size)
+        used[STACK], used[WAITING] = first, top
+
+        held = NODE_BYTES * used[NODES] + CORNER_BYTES * used[CORNERS] + POLYGON_BYTES * used[DONE]
+        too_many = held > limits[1] or (held > 0.5 * limits[1] and left < limits[2] * seen)
+        if left < limits[0] * seen or too_many:
+            work.sums[NO_MEMORY if too_many else NO_TIME] += left
+            store(GIRDLE_CELL, path, _NONE, beam, _WHOLE, n, size, work)
+            continue
+
+        for c in range(count):
+            write_distance(planes[candidates[c]], beam, work.distances[candidates[c]])
+        for c in range(count):
+            i = candidates[c]
+            part, m = _cell(c, count, n, work)
+            if m == 0:
+                continue
+            met = moved(beam, work.distances[i])
+            if walls.shape[0] and not is_within(table[part], m, met, inner):
+                part, m, given = _at_walls(walls, part, m, met, beam, path, work)
+                left -= given
+                if m == 0:
+                    continue
+            size = area(table[part], m)
+            if real(size) < _NO_AREA:
+                continue
+            here, nx, ny, nz = used[NODES], planes[i, 0], planes[i, 1], planes[i, 2]
+            work.nodes[here, 0], work.nodes[here, 1] = path.node, i
+            used[NODES] = here + 1
+            cos = nx * beam.dx + ny * beam.dy + nz * beam.dz
+            if not is_total(cos, index):
+                dx, dy, dz, _, _ = into_air(beam.dx, beam.dy, beam.dz, nx, ny, nz, index)
+                met, ends = turned(met, dx, dy, dz), Path(here, path.reflections, path.entry)
+                left -= _leave(ends, i, met, part, m, size, rules, work)
+                continue
+            left -= real(size)
+            # Too small, or too long on its way.
+            if real(size) < _LEAST_AREA or path.reflections >= rules.max_reflections:
+                store(TRAPPED, Path(here, path.reflections, path.entry), _NONE, met, part, m, size, work)
+                continue
+            dx, dy, dz = beam.dx - 2.0 * cos * nx, beam.dy - 2.0 * cos * ny, beam.dz - 2.0 * cos * nz
+            goes_on = Path(here, path.reflections + 1, path.entry)
+            push(goes_on, turned(met, dx, dy, dz), part, m, size, work)
+        work.sums[UNACCOUNTED] += max(left, 0.0)
     return True
 
 
-@jit_inner
-def _part_at_ground(polygon: Any, n: int, state: Any, below: bool, out: Any) -> int:
-    """Return the part of a polygon whose points on a plane lie at z <= 0, or that above."""
-    low = high = real(state[2] + state[5] * polygon[0, 0] + state[8] * polygon[0, 1])
-    for k in range(1, n):
-        z = real(state[2] + state[5] * polygon[k, 0] + state[8] * polygon[k, 1])
-        low, high = min(low, z), max(high, z)
-    if low > 0.0 or high <= 0.0:  # all on one side
-        _copy(polygon, n, out)
-        return n if (high <= 0.0) == below else 0
-    sign = 1.0 if below else -1.0
-    return int(clip(polygon, n, sign * state[2], sign * state[5], sign * state[8], out))
+# ---- Both ----------------------------------------------------------------------------------------------
 
 
-@jit
-def trace_polygons(solid: Any, basis: Any, wedge: Any, rules: Any, least_area: float, limits: Any) -> Any:
+def trace_polygons(
+    solid: Solid, basis: np.ndarray, wedge: np.ndarray, rules: Rules, limits: np.ndarray
+) -> Traced:
     """Cut the view into polygons, and follow each until it leaves the stone.
 
     Parameters
@@ -308,200 +310,48 @@ def trace_polygons(solid: Any, basis: Any, wedge: Any, rules: Any, least_area: f
         The stone.
     basis : (3, 3) float64
         The view's right, its up, and the direction to the eye.
-    wedge : (k, 2) float64
-        Only where wedge . (u, v) <= 0 for every row.
+    wedge : (k, 3) float64
+        Only where a u + b v + c <= 0 for every row (a, b, c).
     rules : Rules
         The model.
-    least_area : float
-        A beam of a smaller area is trapped [girdle radius^2].
     limits : (3,) float64
         Polygons smaller than the first [share of what is traced] are not followed on, but given out as girdle
         cells; once the lists hold half of the second [bytes] those smaller than the third, and once they hold
         all of it all. May change while this runs.
-
-    Returns
-    -------
-    corners : (c, 2) array like `planes`
-        Corners of all polygons, one after the other.
-    ends : (m,) int64
-        Where each polygon's corners end.
-    what : (m, 4) int64
-        What became of it (EXITED ...), its node, its reflections, and 1 for rear light.
-    values : (m, 2 + 3) array like `planes`
-        Area, intensity (0 to 1; that of rear light is 0) and direction in which it leaves.
-    states : (m, N_STATE) array like `planes`
-        Its beam; where it left or was trapped, with its points on that surface.
-    nodes : (k, 2) int64
-        The tree of paths: a node's parent (-1 at the crown) and the plane that it met.
-    covered : (c', 2) array like `planes`, covered_ends : (p,) int64
-        Outline of each plane in the view, as far as the rim, and where its corners end.
-    unaccounted : float
-        Area that no polygon holds: slivers thinner than rounding [girdle radius^2].
-    left_over : (2,) float64
-        Area of girdle cells that the limits have made, by the first and by the second one [girdle radius^2].
     """
-    planes, walls, index = solid.planes, solid.walls, rules.refractive_index
-    p, kind = planes.shape[0], planes.dtype
-    found = _Found(
-        np.empty((1024, 2), kind), np.empty(256, np.int64), np.empty((256, 4), np.int64),
-        np.empty((256, 5), kind), np.empty((256, N_STATE), kind), np.zeros(2, np.int64),
-    )  # fmt: skip
-    waiting = _Waiting(
-        np.empty((64, _MOST_CORNERS, 2), kind), np.empty((64, N_STATE), kind), np.empty((64, 3), np.int64),
-        np.zeros(1, np.int64),
-    )  # fmt: skip
-    ahead = _Ahead(
-        np.empty((p, 3), kind), np.empty(p, kind), np.empty((p, _MOST_CORNERS)),
-        np.empty(_MOST_CORNERS, np.int64), np.empty(p, np.int64),
-    )  # fmt: skip
-    nodes, n_nodes = np.empty((256, 2), np.int64), 0
-    covered, n_covered = np.empty((1024, 2), kind), 0
-    covered_ends = np.zeros(p, np.int64)
-    cell, part = np.empty((_MOST_CORNERS, 2), kind), np.empty((_MOST_CORNERS, 2), kind)
-    polygon, beam = np.empty((_MOST_CORNERS, 2), kind), np.empty(N_STATE, kind)
-    state, direction = np.empty(N_STATE, kind), np.empty(3, kind)
-    zero = planes[0, 0] * 0.0
-    seen, unaccounted, left_over = 0.0, 0.0, np.zeros(2)
-    inner = np.inf
-    for w in range(walls.shape[0]):
-        inner = min(inner, walls[w, 2])
-
-    # ---- The facets that the eye sees ----
-    ex, ey, ez = basis[2, 0], basis[2, 1], basis[2, 2]
-    for i in range(p):
-        nx, ny, nz = planes[i, 0], planes[i, 1], planes[i, 2]
-        facing = nx * ex + ny * ey + nz * ez
-        covered_ends[i] = n_covered
-        if real(facing) <= 1e-9:
-            continue
-        _point_on(i, facing, planes, basis, state)
-        n = _outline(i, state, solid, wedge, cell, part)
-        if n == 0 or real(area(cell, n)) < _NO_AREA:
-            continue
-        seen += real(area(cell, n))
-        while n_covered + n > covered.shape[0]:
-            covered = grown(covered)
-        _copy(cell, n, covered[n_covered:])
-        n_covered += n
-        covered_ends[i] = n_covered
-        dx, dy, dz, cos_air, cos_stone = into_stone(zero - ex, zero - ey, zero - ez, nx, ny, nz, index)
-        state[9], state[10], state[11] = dx, dy, dz
-        state[12] = crossing_factor(cos_air, cos_stone, index, rules.law, rules.radiance, True)
-        if n_nodes == nodes.shape[0]:
-            nodes = grown(nodes)
-        nodes[n_nodes, 0], nodes[n_nodes, 1] = -1, i
-        waiting = _push(waiting, cell, n, n_nodes, 0, state)
-        n_nodes += 1
-
-    # ---- From facet to facet ----
-    while waiting.count[0] > 0:
-        waiting.count[0] -= 1
-        top = waiting.count[0]
-        n, node, reflections = waiting.facts[top, 0], waiting.facts[top, 1], waiting.facts[top, 2]
-        _copy(waiting.corners[top], n, polygon)
-        for k in range(N_STATE):
-            beam[k] = waiting.beams[top, k]
-        dx, dy, dz = beam[9], beam[10], beam[11]
-        left = real(area(polygon, n))
-        held = _NODE_BYTES * n_nodes + _CORNER_BYTES * found.counts[0] + _POLYGON_BYTES * found.counts[1]
-        too_many = held > limits[1] or (held > 0.5 * limits[1] and left < limits[2] * seen)
-        if left < limits[0] * seen or too_many:
-            left_over[1 if too_many else 0] += left
-            direction[0] = direction[1] = direction[2] = zero
-            found = _store(
-                found,
-                polygon,
-                n,
-                area(polygon, n),
-                GIRDLE_CELL,
-                node,
-                reflections,
-                False,
-                zero,
-                direction,
-                beam,
-            )
-            continue
-        count = _look_ahead(planes, beam, polygon, n, ahead)
-        for c in range(count):
-            i = ahead.candidates[c]
-            n_cell = _cell(c, count, ahead, polygon, n, cell, part)
-            if n_cell == 0:
-                continue
-            # Where the cell meets the plane.
-            for k in range(3):
-                for row in range(3):
-                    state[3 * row + k] = beam[3 * row + k] + ahead.distances[i, row] * beam[9 + k]
-                state[9 + k] = beam[9 + k]
-            state[12] = beam[12]
-
-            if not _is_within(cell, n_cell, state, inner):
-                for w in range(walls.shape[0]):
-                    a, b, cc = _beyond_wall(walls, w, state)
-                    n_part = clip(cell, n_cell, -a, -b, -cc, part)
-                    if n_part == 0:
-                        continue
-                    size = area(part, n_part)
-                    if real(size) >= _NO_AREA:
-                        left -= real(size)
-                        direction[0] = direction[1] = direction[2] = zero
-                        found = _store(
-                            found, part, n_part, size, GIRDLE_CELL, node, reflections, False, zero, direction,
-                            beam,
-                        )  # fmt: skip
-                    n_cell = clip(cell, n_cell, a, b, cc, part)
-                    _copy(part, n_cell, cell)
-                    if n_cell == 0:
-                        break
-                if n_cell == 0:
-                    continue
-            size = area(cell, n_cell)
-            if real(size) < _NO_AREA:
-                continue
-
-            if n_nodes == nodes.shape[0]:
-                nodes = grown(nodes)
-            nodes[n_nodes, 0], nodes[n_nodes, 1] = node, i
-            met = n_nodes
-            n_nodes += 1
-            nx, ny, nz, cos = planes[i, 0], planes[i, 1], planes[i, 2], ahead.slopes[i]
-            if is_total(cos, index):
-                # Total reflection: the cell goes on, unless it is too small or has been on its way too long.
-                left -= real(size)
-                if real(size) < least_area or reflections >= rules.max_reflections:
-                    direction[0], direction[1], direction[2] = dx, dy, dz
-                    found = _store(
-                        found, cell, n_cell, size, TRAPPED, met, reflections, False, zero, direction, state
-                    )
-                    continue
-                state[9], state[10] = dx - 2.0 * cos * nx, dy - 2.0 * cos * ny
-                state[11] = dz - 2.0 * cos * nz
-                waiting = _push(waiting, cell, n_cell, met, reflections + 1, state)
-                continue
-            out_x, out_y, out_z, cos_air, cos_stone = into_air(dx, dy, dz, nx, ny, nz, index)
-            direction[0], direction[1], direction[2] = out_x, out_y, out_z
-            intensity = beam[12] * crossing_factor(
-                cos_air, cos_stone, index, rules.law, rules.radiance, False
-            )
-            for below in (False, True):  # at z <= 0 the light is rear light; or all of it is, or none
-                if rules.rear == REAR_POSITION:
-                    n_part = _part_at_ground(cell, n_cell, state, below, part)
-                else:
-                    is_rear = real(nz) < -LEVEL if rules.rear == REAR_FACET else real(out_z) <= 0.0
-                    n_part = n_cell if is_rear == below else 0
-                    _copy(cell, n_part, part)
-                size = area(part, n_part)
-                if n_part == 0 or real(size) < _NO_AREA:
-                    continue
-                left -= real(size)
-                found = _store(
-                    found, part, n_part, size, EXITED, met, reflections, below, zero if below else intensity,
-                    direction, state,
-                )  # fmt: skip
-        unaccounted += max(left, 0.0)
-
-    corners, m = found.counts[0], found.counts[1]
-    return (
-        found.corners[:corners], found.ends[:m], found.what[:m], found.values[:m], found.states[:m],
-        nodes[:n_nodes], covered[:n_covered], covered_ends, unaccounted, left_over,
+    p, kind = len(solid.planes), solid.planes.dtype
+    most = p + len(solid.rim) + len(wedge) + 8
+    table, outlines, beams = (np.empty(shape, kind) for shape in ((3, most, 3), (p, most, 2), (p, BEAM)))
+    numbers = np.zeros(p, np.int64)
+    see_facets(solid, basis, wedge, rules.refractive_index, table, outlines, beams, numbers)
+    seen = np.flatnonzero(numbers)
+    corners = np.concatenate([outlines[i, : numbers[i]] for i in seen] or [outlines[:0, 0]])
+    waiting = empty_polygons(2 * len(corners) + 512, 2 * len(seen) + 64, kind)
+    waiting.corners[: len(corners)] = corners
+    for k, i in enumerate(seen):
+        waiting.ends[k], waiting.areas[k] = numbers[i], area(outlines[i], numbers[i])
+        waiting.facts[k], waiting.beams[k] = (0, k, 0, i, -1), beams[i]
+    nodes = np.empty((512 + len(seen), 2), np.int64)
+    nodes[: len(seen), 0], nodes[: len(seen), 1] = -1, seen
+    work = Work(
+        done=empty_polygons(1024, 256, kind),
+        waiting=waiting,
+        nodes=nodes,
+        used=np.array([0, 0, len(corners), len(seen), len(seen)]),
+        needed=np.zeros(6, np.int64),
+        sums=np.zeros(3),
+        table=table,
+        distances=np.empty((p, 3), kind),
+        ahead=Ahead(
+            np.empty(p), np.empty(p), np.empty(p, np.int64), np.empty(p, np.int64), np.empty((p, most))
+        ),
+    )
+    whole = float(waiting.areas[: len(seen)].real.sum())
+    while not follow_polygons(solid, rules, whole, limits, work):
+        work = with_room(work)
+    n_corners, n = work.used[CORNERS], work.used[DONE]
+    done = work.done
+    return Traced(
+        Polygons(done.corners[:n_corners], *(list_[:n] for list_ in done[1:])),
+        work.nodes[: work.used[NODES]], corners, np.cumsum(numbers), *map(float, work.sums),
     )  # fmt: skip

@@ -7,7 +7,7 @@ from typing import Any
 
 from numba.core.registry import cpu_target
 
-from gemrender.beam import facets, maps, polygons, rays, rim
+from gemrender.beam import maps, polygons, rays, rim
 from gemrender.beam.cache import KernelCache
 from gemrender.beam.maps import observe
 from gemrender.cuts import RoundBrilliant
@@ -44,8 +44,8 @@ def damaged_cache_files() -> list[str]:
 def _kernels() -> tuple[Any, ...]:
     """Return the kernels that Python calls; they hold those that they call."""
     return (
-        polygons.trace_polygons, facets._all_along, rim.rim_points, rays.sum_rays, rays.trace_rays,
-        maps._draw, maps._from_the_eye, maps._fill,
+        polygons.see_facets, polygons.follow_polygons, rim.rim_points, rays.enter_rays, rays.follow_rays,
+        maps._draw,
     )  # fmt: skip
 
 

@@ -1,7 +1,9 @@
-"""Single rays through a stone, compiled: what light near the girdle is scored by.
+"""Single rays through a convex stone, compiled: what light near a round girdle does.
 
-The same rays as the reference's (`gemrender.reference`), for stones whose facets make a convex solid: the
-surface that a ray meets next is the nearest one that it goes out through, or the girdle before that.
+The same rays as the reference's (`gemrender.reference`), for solids that half-spaces make: the surface that a
+ray meets next is the nearest one that it goes out through, or the girdle before that. Rays are followed
+side by side, plane after plane, so that each vector instruction serves several of them; a ray that has left
+makes room for the next one.
 """
 
 from __future__ import annotations
@@ -12,241 +14,295 @@ from typing import Any
 import numpy as np
 
 from gemrender.beam.compiled import jit, jit_fast, jit_inner
-from gemrender.beam.crossing import crossing_factor, into_air, into_stone, is_total
-from gemrender.beam.rules import REAR_FACET, REAR_POSITION
+from gemrender.beam.crossing import PARALLEL, into_air
 from gemrender.observation import PATH_CODE_FACTOR, PATH_CODE_MASK, RayStatus
-from gemrender.stone.facets import LEVEL
+from gemrender.optics.fresnel import LEAST_TOTAL
+from gemrender.paths import Paths
+from gemrender.stone import Stone
 
-__all__ = [
-    "BANDS",
-    "BAND_EDGES",
-    "INTENSITY",
-    "LOST",
-    "MET",
-    "N_SUMS",
-    "REAR",
-    "TRAPPED",
-    "sum_rays",
-    "trace_rays",
-]
+__all__ = ["INSIDE", "RAY", "enter_rays", "follow_rays", "ray_paths"]
 
-#: What is summed up over rays: intensity, rear light, trapped, lost, light in the six bands, brightest first,
-#: and all that met the stone.
-INTENSITY, REAR, TRAPPED, LOST, BANDS, MET, N_SUMS = 0, 1, 2, 3, 4, 10, 11
+#: A ray: `RayStatus`, or `INSIDE` while it is followed; total reflections so far; facet through which it
+#: enters (on the eye's side), and surface through which it leaves, -1 for none; code of its path; cosines of
+#: the angles in air at both; where it leaves, point [girdle radius] and unit direction, and while it is
+#: inside where it is.
+RAY = np.dtype(
+    [
+        ("status", np.int64), ("reflections", np.int64), ("entry", np.int64), ("exit", np.int64),
+        ("path_code", np.int64), ("cos_entry", np.float64), ("cos_exit", np.float64),
+        ("point", np.float64, (3,)), ("direction", np.float64, (3,)),
+    ]
+)  # fmt: skip
+#: Status of a ray that is still followed.
+INSIDE = -1
 
-#: Lower edges of the bands of intensity but the last, brightest first, as shares of the light.
-BAND_EDGES = (0.75, 0.60, 0.45, 0.30, 0.15)
-
-#: Distance to a plane that lies behind [girdle radius]: further than anything.
-_NOTHING = 1e30
-#: Rays start so far from the origin, outside every stone [girdle radius].
-_START_DISTANCE = 10.0
+#: Rays side by side, and how many of them one vector instruction takes at the most.
+_LANES, _VECTOR = 32, 8
+#: The rows of a block of rays inside the stone: position, direction, then of the nearest plane so far the gap
+#: along its normal and the cosine (their ratio is the distance), and its number; then the surface that they
+#: have met (-1 for none), and whether it has let them out, with 1 for yes.
+_X, _Y, _Z, _DX, _DY, _DZ, _GAP, _SLOPE, _PLANE, _MET, _OUT = (row * _LANES for row in range(11))
+_ROWS, _STATE = 11, 6
+#: The rows of a block of rays that arrive: first, as above, position and direction inside; then place in the
+#: view, distances at which the half-spaces begin and end (from the plane through the origin across the view),
+#: the surface that they enter through (-1 for those that miss), and the cosine of the angle in air.
+_U, _V, _T_IN, _T_OUT, _ENTRY, _COS = (row * _LANES for row in range(_STATE, _STATE + 6))
+_ARRIVING_ROWS = _STATE + 6
 
 _MISSED, _EXITED = int(RayStatus.MISSED), int(RayStatus.EXITED)
 _TRAPPED, _LOST = int(RayStatus.TRAPPED), int(RayStatus.LOST)
 
 
-@jit_inner
-def _entry(ox: float, oy: float, oz: float, dx: float, dy: float, dz: float, solid: Any) -> Any:
-    """Find the surface through which a ray from outside enters, and its distance; -1 if it misses."""
-    planes = solid.values
-    t_in, first, t_out = 0.0, -1, math.inf
+@jit_fast
+def _nearest_planes(planes: Any, block: Any, n: int) -> None:
+    """Find the plane that each ray of a block meets next.
+
+    Distances are compared as fractions, without a division.
+    """
+    for k in range(n):
+        block[_GAP + k], block[_SLOPE + k], block[_PLANE + k] = math.inf, 1.0, -1.0
     for i in range(planes.shape[0]):
-        slope = planes[i, 0] * dx + planes[i, 1] * dy + planes[i, 2] * dz
-        gap = planes[i, 3] - planes[i, 0] * ox - planes[i, 1] * oy - planes[i, 2] * oz
-        if slope < 0.0 and gap / slope > t_in:
-            t_in, first = gap / slope, i
-        elif slope > 0.0:
-            t_out = min(t_out, gap / slope)
-        elif slope == 0.0 and gap < 0.0:
-            return -1, 0.0
-    if t_in >= t_out:
-        return -1, 0.0
-    if solid.is_round:
-        x, y = ox + t_in * dx, oy + t_in * dy
-        if x * x + y * y > 1.0:
-            t_in, first = _into_circle(ox, oy, dx, dy, t_in, t_out), planes.shape[0]
-    return (first, t_in) if math.isfinite(t_in) else (-1, 0.0)
+        nx, ny, nz, offset, number = planes[i, 0], planes[i, 1], planes[i, 2], planes[i, 3], float(i)
+        for k in range(n):
+            slope = nx * block[_DX + k] + ny * block[_DY + k] + nz * block[_DZ + k]
+            gap = offset - nx * block[_X + k] - ny * block[_Y + k] - nz * block[_Z + k]
+            closer = (slope > PARALLEL) & (gap * block[_SLOPE + k] < block[_GAP + k] * slope)
+            block[_GAP + k] = gap if closer else block[_GAP + k]
+            block[_SLOPE + k] = slope if closer else block[_SLOPE + k]
+            block[_PLANE + k] = number if closer else block[_PLANE + k]
 
 
 @jit_fast
-def _nearest_plane(
-    ox: float, oy: float, oz: float, dx: float, dy: float, dz: float, columns: Any, distances: Any
-) -> Any:
-    """Find the plane that a ray inside the stone meets next, and its distance; -1 if there is none.
+def _entries(planes: Any, basis: Any, points: Any, first: int, n: int, arriving: Any) -> None:
+    """Find for n rays of a view, from a first one on, where they enter the half-spaces, and where they leave.
 
-    All distances first, by vector instructions, then the smallest: twice as fast as one after the other.
+    All have one direction, so that the distance to a plane is an affine function of the place in the view.
     """
-    n = distances.shape[0]
-    best, surface = _NOTHING, -1
-    for i in range(n):
-        slope = columns[0, i] * dx + columns[1, i] * dy + columns[2, i] * dz
-        gap = columns[3, i] - columns[0, i] * ox - columns[1, i] * oy - columns[2, i] * oz
-        distances[i] = gap / slope if slope > 0.0 else _NOTHING
-    for i in range(n):
-        best = min(best, distances[i])
-    if best < _NOTHING:
-        for i in range(n):
-            if distances[i] == best:
-                surface = i
-                break
-    return surface, best
-
-
-@jit_inner
-def _into_circle(ox: float, oy: float, dx: float, dy: float, first: float, last: float) -> float:
-    """Return the distance at which a ray enters the upright cylinder of radius 1, or infinity."""
-    a, b, c = dx * dx + dy * dy, ox * dx + oy * dy, ox * ox + oy * oy - 1.0
-    left = b * b - a * c
-    if a == 0.0 or left < 0.0:
-        return math.inf
-    t = (-b - math.sqrt(left)) / a
-    return t if first <= t <= last else math.inf
-
-
-@jit_inner
-def _out_of_circle(ox: float, oy: float, dx: float, dy: float) -> float:
-    """Return the distance at which a ray leaves the upright cylinder of radius 1."""
-    a, b = dx * dx + dy * dy, ox * dx + oy * dy
-    if a == 0.0:
-        return math.inf
-    return (-b + math.sqrt(max(b * b - a * (ox * ox + oy * oy - 1.0), 0.0))) / a
-
-
-@jit_inner
-def _radial(x: float, y: float) -> Any:
-    """Return the unit vector away from the axis."""
-    r = math.sqrt(x * x + y * y)
-    return x / r, y / r, 0.0
-
-
-@jit_inner
-def _follow(u: float, v: float, basis: Any, solid: Any, facet: Any, rules: Any, distances: Any) -> Any:
-    """Follow the ray through (u, v) of the view from the eye until it leaves.
-
-    Returns
-    -------
-    tuple
-        Status, intensity (0 to 1; 0 for rear light), whether it is rear light, reflections, entry and exit
-        surface, code of the path, exit point (3) and direction (3).
-    """
-    ox = u * basis[0, 0] + v * basis[1, 0] + _START_DISTANCE * basis[2, 0]
-    oy = u * basis[0, 1] + v * basis[1, 1] + _START_DISTANCE * basis[2, 1]
-    oz = u * basis[0, 2] + v * basis[1, 2] + _START_DISTANCE * basis[2, 2]
     dx, dy, dz = -basis[2, 0], -basis[2, 1], -basis[2, 2]
-    first, t = _entry(ox, oy, oz, dx, dy, dz, solid)
-    if first < 0:
-        return _MISSED, 0.0, False, 0, -1, -1, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    planes, girdle = solid.values, solid.values.shape[0]
-    code = facet[first] + 1
-    ox, oy, oz = ox + t * dx, oy + t * dy, oz + t * dz
-    if first == girdle:
-        nx, ny, nz = _radial(ox, oy)
-    else:
-        nx, ny, nz = planes[first, 0], planes[first, 1], planes[first, 2]
-    dx, dy, dz, cos_air, cos_stone = into_stone(dx, dy, dz, nx, ny, nz, rules.refractive_index)
-    leaving = crossing_factor(cos_air, cos_stone, rules.refractive_index, rules.law, rules.radiance, True)
-    for reflections in range(rules.max_reflections + 1):
-        i, t = _nearest_plane(ox, oy, oz, dx, dy, dz, solid.columns, distances)
-        if solid.is_round:
-            t_girdle = _out_of_circle(ox, oy, dx, dy)
-            if t_girdle < t:
-                i, t = girdle, t_girdle
-        if i < 0:
-            return _LOST, 0.0, False, reflections, first, -1, code, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        code = (code * PATH_CODE_FACTOR + facet[i] + 1) & PATH_CODE_MASK
-        ox, oy, oz = ox + t * dx, oy + t * dy, oz + t * dz
-        if i < girdle:
-            nx, ny, nz = planes[i, 0], planes[i, 1], planes[i, 2]
+    for k in range(n):
+        arriving[_U + k], arriving[_V + k] = points[first + k, 0], points[first + k, 1]
+        arriving[_T_IN + k], arriving[_T_OUT + k], arriving[_ENTRY + k] = -math.inf, math.inf, -1.0
+    for i in range(planes.shape[0]):
+        nx, ny, nz, offset, number = planes[i, 0], planes[i, 1], planes[i, 2], planes[i, 3], float(i)
+        by_u = nx * basis[0, 0] + ny * basis[0, 1] + nz * basis[0, 2]
+        by_v = nx * basis[1, 0] + ny * basis[1, 1] + nz * basis[1, 2]
+        slope = nx * dx + ny * dy + nz * dz
+        if slope == 0.0:
+            for k in range(n):
+                gap = offset - by_u * arriving[_U + k] - by_v * arriving[_V + k]
+                arriving[_T_OUT + k] = -math.inf if gap < 0.0 else arriving[_T_OUT + k]
+            continue
+        t0, tu, tv = offset / slope, by_u / slope, by_v / slope
+        if slope > 0.0:
+            for k in range(n):
+                t = t0 - tu * arriving[_U + k] - tv * arriving[_V + k]
+                arriving[_T_OUT + k] = min(arriving[_T_OUT + k], t)
         else:
-            nx, ny, nz = _radial(ox, oy)
+            for k in range(n):
+                t = t0 - tu * arriving[_U + k] - tv * arriving[_V + k]
+                later = t > arriving[_T_IN + k]
+                arriving[_T_IN + k] = t if later else arriving[_T_IN + k]
+                arriving[_ENTRY + k] = number if later else arriving[_ENTRY + k]
+
+
+@jit_fast
+def _enter(planes: Any, is_round: bool, basis: Any, index: float, n: int, arriving: Any) -> None:
+    """Refract arriving rays into the stone."""
+    dx, dy, dz = -basis[2, 0], -basis[2, 1], -basis[2, 2]
+    a = dx * dx + dy * dy
+    for k in range(n):
+        u, v, t, t_out = arriving[_U + k], arriving[_V + k], arriving[_T_IN + k], arriving[_T_OUT + k]
+        entry = int(arriving[_ENTRY + k])
+        misses = (t >= t_out) | (entry < 0)
+        entry = max(entry, 0)
+        nx, ny, nz = planes[entry, 0], planes[entry, 1], planes[entry, 2]
+        x = u * basis[0, 0] + v * basis[1, 0]
+        y = u * basis[0, 1] + v * basis[1, 1]
+        z = u * basis[0, 2] + v * basis[1, 2]
+        if is_round:
+            outside = (x + t * dx) ** 2 + (y + t * dy) ** 2 > 1.0
+            b = x * dx + y * dy
+            inner = b * b - a * (x * x + y * y - 1.0)
+            t_circle = (-b - math.sqrt(max(inner, 0.0))) / a if a > 0.0 else math.inf
+            misses |= outside & ((inner < 0.0) | (t_circle < t) | (t_circle > t_out))
+            t = t_circle if outside else t
+            nx, ny = (x + t * dx, y + t * dy) if outside else (nx, ny)
+            nz = 0.0 if outside else nz
+            entry = planes.shape[0] if outside else entry
+        x, y, z = x + t * dx, y + t * dy, z + t * dz
+        cos_air = -(dx * nx + dy * ny + dz * nz)
+        tx, ty, tz = (dx + cos_air * nx) / index, (dy + cos_air * ny) / index, (dz + cos_air * nz) / index
+        cos_stone = math.sqrt(1.0 - tx * tx - ty * ty - tz * tz)
+        arriving[_X + k], arriving[_Y + k], arriving[_Z + k] = x, y, z
+        arriving[_DX + k], arriving[_DY + k] = tx - cos_stone * nx, ty - cos_stone * ny
+        arriving[_DZ + k], arriving[_COS + k] = tz - cos_stone * nz, cos_air
+        arriving[_ENTRY + k] = -1.0 if misses else float(entry)
+
+
+@jit_fast
+def _meet(planes: Any, is_round: bool, index: float, n: int, block: Any) -> None:
+    """Move rays to the next surface, and turn those that it reflects."""
+    for k in range(n):
+        x, y, z = block[_X + k], block[_Y + k], block[_Z + k]
+        dx, dy, dz = block[_DX + k], block[_DY + k], block[_DZ + k]
+        i = int(block[_PLANE + k])
+        found = i >= 0
+        i = max(i, 0)
+        nx, ny, nz, offset = planes[i, 0], planes[i, 1], planes[i, 2], planes[i, 3]
+        t = (offset - nx * x - ny * y - nz * z) / (nx * dx + ny * dy + nz * dz)
+        surface = float(i)
+        if is_round:
+            a, b = dx * dx + dy * dy, x * dx + y * dy
+            t_circle = (-b + math.sqrt(max(b * b - a * (x * x + y * y - 1.0), 0.0))) / a
+            nearer = (a > 0.0) & ((t_circle < t) | (not found))
+            t = t_circle if nearer else t
+            cx, cy = x + t * dx, y + t * dy
+            r = math.sqrt(cx * cx + cy * cy)
+            nx, ny, nz = cx / r if nearer else nx, cy / r if nearer else ny, 0.0 if nearer else nz
+            surface = float(planes.shape[0]) if nearer else surface
+            found |= nearer
+        block[_X + k], block[_Y + k], block[_Z + k] = x + t * dx, y + t * dy, z + t * dz
         cos = dx * nx + dy * ny + dz * nz
-        if not is_total(cos, rules.refractive_index):
-            dx, dy, dz, cos_air, cos_stone = into_air(dx, dy, dz, nx, ny, nz, rules.refractive_index)
-            if rules.rear == REAR_FACET:
-                rear = i < girdle and planes[i, 2] < -LEVEL
-            else:
-                rear = (oz if rules.rear == REAR_POSITION else dz) <= 0.0
-            intensity = 0.0
-            if not rear:
-                intensity = leaving * crossing_factor(
-                    cos_air, cos_stone, rules.refractive_index, rules.law, rules.radiance, False
-                )
-            return _EXITED, intensity, rear, reflections, first, i, code, ox, oy, oz, dx, dy, dz
-        dx, dy, dz = dx - 2.0 * cos * nx, dy - 2.0 * cos * ny, dz - 2.0 * cos * nz
-    return _TRAPPED, 0.0, False, rules.max_reflections, first, -1, code, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        reflected = index * index * (1.0 - cos * cos) >= LEAST_TOTAL
+        twice = 2.0 * cos if reflected else 0.0
+        block[_DX + k], block[_DY + k], block[_DZ + k] = dx - twice * nx, dy - twice * ny, dz - twice * nz
+        block[_MET + k] = surface if found else -1.0
+        block[_OUT + k] = 0.0 if reflected else 1.0
+
+
+@jit_inner
+def _next_code(code: int, facet: int) -> int:
+    return (code * PATH_CODE_FACTOR + facet + 1) & PATH_CODE_MASK
+
+
+@jit_inner
+def _leave(planes: Any, index: float, block: Any, k: int, surface: int, ray: Any) -> None:
+    """Refract a ray out of the stone through the surface that it has come to."""
+    x, y, z = block[_X + k], block[_Y + k], block[_Z + k]
+    if surface < planes.shape[0]:
+        nx, ny, nz = planes[surface, 0], planes[surface, 1], planes[surface, 2]
+    else:
+        r = math.sqrt(x * x + y * y)
+        nx, ny, nz = x / r, y / r, 0.0
+    dx, dy, dz, cos_air, _ = into_air(
+        block[_DX + k], block[_DY + k], block[_DZ + k], nx, ny, nz, index
+    )  # fmt: skip
+    ray.exit, ray.cos_exit = surface, cos_air
+    ray.point[0], ray.point[1], ray.point[2] = x, y, z
+    ray.direction[0], ray.direction[1], ray.direction[2] = dx, dy, dz
+
+
+@jit_inner
+def _move(block: Any, k: int, to: int) -> None:
+    """Copy position and direction of a ray to another place of its block."""
+    for row in range(_STATE):
+        block[row * _LANES + to] = block[row * _LANES + k]
 
 
 @jit
-def sum_rays(
-    points: Any, weights: Any, sets: Any, n_sets: int, basis: Any, solid: Any, facet: Any, rules: Any
-) -> Any:
-    """Follow rays and sum up what became of them, each set of rays by itself.
+def enter_rays(points: Any, basis: Any, solid: Any, facet: Any, index: float, rays: Any) -> None:
+    """Send rays from the eye into a stone.
 
     Parameters
     ----------
     points : (n, 2) float64
         Places in the view [girdle radius].
-    weights : (n,) float64
-        What each ray counts.
-    sets, n_sets : (n,) int64, int
-        The set that each ray belongs to, and how many there are.
     basis : (3, 3) float64
         The view's right, its up, and the direction to the eye.
-    solid, rules : Solid, Rules
-        The stone and the model.
+    solid : Solid
+        The stone.
     facet : (p + 1,) int64
         The facet that each surface belongs to.
-
-    Returns
-    -------
-    (n_sets, N_SUMS) float64
-        Sums of the weights by what became of the rays, INTENSITY of weight times intensity (0 to 1).
+    index : float
+        Refractive index.
+    rays : (n,) array of `RAY`
+        The rays are written here: `INSIDE`, or missed.
     """
-    all_sums, distances = np.zeros((n_sets, N_SUMS)), np.empty(solid.columns.shape[1])
-    for k in range(len(points)):
-        ray = _follow(points[k, 0], points[k, 1], basis, solid, facet, rules, distances)
-        status, intensity, rear, weight, sums = ray[0], ray[1], ray[2], weights[k], all_sums[sets[k]]
-        if status == _MISSED:
-            continue
-        sums[MET] += weight
-        sums[INTENSITY] += weight * intensity
-        if status == _TRAPPED:
-            sums[TRAPPED] += weight
-        elif status == _LOST:
-            sums[LOST] += weight
-        elif rear:
-            sums[REAR] += weight
-        else:
-            band = 0
-            while band < len(BAND_EDGES) and intensity < BAND_EDGES[band]:
-                band += 1
-            sums[BANDS + band] += weight
-    return all_sums
+    planes, arriving = solid.values, np.zeros(_ARRIVING_ROWS * _LANES)
+    for first in range(0, len(points), _LANES):
+        n = min(_LANES, len(points) - first)
+        _entries(planes, basis, points, first, n, arriving)
+        _enter(planes, solid.is_round, basis, index, n, arriving)
+        for k in range(n):
+            ray, entry = rays[first + k], int(arriving[_ENTRY + k])
+            ray.status = INSIDE if entry >= 0 else _MISSED
+            ray.reflections, ray.entry, ray.exit = 0, facet[entry] if entry >= 0 else -1, -1
+            ray.path_code = _next_code(0, facet[entry]) if entry >= 0 else 0
+            ray.cos_entry, ray.cos_exit = arriving[_COS + k] if entry >= 0 else 0.0, 0.0
+            for j in range(3):
+                ray.point[j] = arriving[_X + j * _LANES + k] if entry >= 0 else 0.0
+                ray.direction[j] = arriving[_DX + j * _LANES + k] if entry >= 0 else 0.0
 
 
 @jit
-def trace_rays(points: Any, basis: Any, solid: Any, facet: Any, rules: Any) -> Any:
-    """Follow rays and keep what became of each.
+def follow_rays(solid: Any, facet: Any, index: float, max_reflections: int, rays: Any) -> int:
+    """Follow rays that are inside a stone until they leave.
 
     Parameters
     ----------
-    points, basis, solid, facet, rules
-        As for `sum_rays`.
+    solid, facet, index
+        As for `enter_rays`.
+    max_reflections : int
+        Total reflections after which a ray is trapped.
+    rays : (n,) array of `RAY`
+        The rays, which are changed; those that are not `INSIDE` are left as they are.
 
     Returns
     -------
-    values : (n, 8) float64
-        Intensity (0 to 1), 1 for rear light, exit point (3), exit direction (3).
-    numbers : (n, 5) int64
-        `RayStatus`, reflections, entry and exit surface, code of the path.
+    int
+        Surfaces that they have met, all together.
     """
-    values, numbers = np.empty((len(points), 8)), np.empty((len(points), 5), np.int64)
-    distances = np.empty(solid.columns.shape[1])
-    for k in range(len(points)):
-        (
-            numbers[k, 0], values[k, 0], rear, numbers[k, 1], numbers[k, 2], numbers[k, 3], numbers[k, 4],
-            values[k, 2], values[k, 3], values[k, 4], values[k, 5], values[k, 6], values[k, 7],
-        ) = _follow(points[k, 0], points[k, 1], basis, solid, facet, rules, distances)  # fmt: skip
-        values[k, 1] = 1.0 if rear else 0.0
-    return values, numbers
+    planes, is_round = solid.values, solid.is_round
+    block = np.zeros(_ROWS * _LANES)
+    of = np.empty(_LANES, np.int64)  # the ray at each place of the block
+    ahead, n, met = 0, 0, 0
+    while True:
+        while n < _LANES and ahead < len(rays):
+            ray = rays[ahead]
+            if ray.status == INSIDE:
+                for j in range(3):
+                    block[_X + j * _LANES + n] = ray.point[j]
+                    block[_DX + j * _LANES + n] = ray.direction[j]
+                of[n] = ahead
+                n += 1
+            ahead += 1
+        if n == 0:
+            return met
+        whole = min(_LANES, (n + _VECTOR - 1) // _VECTOR * _VECTOR)
+        _nearest_planes(planes, block, whole)
+        _meet(planes, is_round, index, whole, block)
+        met += n
+        for k in range(n - 1, -1, -1):
+            ray, surface, out = rays[of[k]], int(block[_MET + k]), block[_OUT + k] == 1.0
+            if surface >= 0:
+                ray.path_code = _next_code(ray.path_code, facet[surface])
+                if not out and ray.reflections < max_reflections:
+                    ray.reflections += 1
+                    continue
+            if surface < 0:
+                ray.status = _LOST
+            elif out:
+                ray.status = _EXITED
+                _leave(planes, index, block, k, surface, ray)
+            else:
+                ray.status = _TRAPPED
+            n -= 1  # the last ray takes its place
+            of[k] = of[n]
+            _move(block, n, k)
+
+
+def ray_paths(rays: np.ndarray, facet: np.ndarray, area: np.ndarray, stone: Stone) -> Paths:
+    """Return rays (n,) that have been followed as paths, each of which stands for an area (n,)."""
+    exits = rays["status"] == RayStatus.EXITED
+    return Paths(
+        area=area,
+        status=rays["status"],
+        reflections=rays["reflections"],
+        entry_facet=rays["entry"],
+        exit_facet=np.where(exits, facet[rays["exit"]], -1),
+        cos_entry=rays["cos_entry"],
+        cos_exit=rays["cos_exit"],
+        exit_point=rays["point"],
+        exit_direction=rays["direction"],
+        stone=stone,
+    )

@@ -23,8 +23,8 @@ def rim_points(
         Corners of convex polygons that do not overlap, one after the other [girdle radius].
     covered_ends : (p,) int64
         Where the corners of each end; some may have none.
-    wedge : (k, 2) float64
-        Only where wedge . (u, v) <= 0 for every row.
+    wedge : (k, 3) float64
+        Only where a u + b v + c <= 0 for every row (a, b, c).
     reach : float
         Only so far from the middle of the view [girdle radius].
     azimuth : float
@@ -74,7 +74,7 @@ def _gaps(
     first, last = -half, half
     for w in range(len(wedge)):
         slope = wedge[w, 0] * cos + wedge[w, 1] * sin
-        value = across * (wedge[w, 1] * cos - wedge[w, 0] * sin)
+        value = across * (wedge[w, 1] * cos - wedge[w, 0] * sin) + wedge[w, 2]
         if slope > 0.0:
             last = min(last, -value / slope)
         elif slope < 0.0:

@@ -4,20 +4,16 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-__all__ = ["REAR_DIRECTION", "REAR_FACET", "REAR_POSITION", "Rules", "Solid"]
-
-#: What tells rear light, in the order of `gemrender.observation.REAR_RULES`.
-REAR_POSITION, REAR_FACET, REAR_DIRECTION = 0, 1, 2
+__all__ = ["Rules", "Solid"]
 
 
 class Rules(NamedTuple):
-    """The optical model (`gemrender.observation.Model`) as the kernels take it."""
+    """What of the optical model (`gemrender.observation.Model`) decides on paths."""
 
     refractive_index: float
-    law: int  # EXACT or GUBELIN
-    radiance: bool
-    rear: int  # REAR_POSITION, REAR_FACET or REAR_DIRECTION
     max_reflections: int
+    cut_at_ground: bool  # whether polygons that leave are cut along z = ground
+    ground: float
 
 
 class Solid(NamedTuple):
@@ -30,11 +26,13 @@ class Solid(NamedTuple):
     columns : (4, p) float64
         The same, transposed.
     walls : (w, 3) float64
-        Normals (x, y) and offsets of upright planes inside the girdle, which beams inside the stone meet.
+        Normals (x, y) and offsets of upright planes inside a round girdle, which beams inside the stone meet.
     rim : (w', 3) float64
         The same, closer to the girdle, for what of the crown the view's polygons cover.
     is_round : bool
-        Whether the girdle is the cylinder of radius 1.
+        Whether the girdle is the cylinder of radius 1; if not there are neither walls nor a rim.
+    reach : float
+        Radius of a sphere about the origin that holds the stone [girdle radius].
     """
 
     planes: Any
@@ -43,3 +41,4 @@ class Solid(NamedTuple):
     walls: Any
     rim: Any
     is_round: bool
+    reach: float

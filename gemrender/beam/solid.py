@@ -19,7 +19,7 @@ __all__ = ["NO_WEDGE", "BeamStone", "beam_stone"]
 _WALLS, _RIM = 32, 256
 
 #: The whole view.
-NO_WEDGE = np.empty((0, 2))
+NO_WEDGE = np.empty((0, 3))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -41,15 +41,18 @@ class BeamStone:
     facet: np.ndarray
 
     def wedge(self, view: View) -> np.ndarray:
-        """Return the part of a view that tells all of it, (k, 2): between two mirror planes, or all."""
+        """Return the part of a view that tells all of it, between two mirror planes: rows (a, b, c), (k, 3).
+
+        There a u + b v + c <= 0. Without mirror planes, or tilted, there are no rows: it is the whole view.
+        """
         symmetry = self.stone.symmetry
-        if view.tilt_deg or not len(symmetry.mirrors) or symmetry.centre.any():
+        if view.tilt_deg or not len(symmetry.mirrors):
             return NO_WEDGE
         first = symmetry.mirrors[0]
-        if symmetry.fold == 1:
-            return np.array([[np.sin(first), -np.cos(first)]])
-        second = first + np.pi / symmetry.fold
-        return np.array([[np.sin(first), -np.cos(first)], [-np.sin(second), np.cos(second)]])
+        last = first + np.pi / symmetry.fold
+        rows = np.array([[np.sin(first), -np.cos(first)], [-np.sin(last), np.cos(last)]])
+        rows = rows[: min(symmetry.fold, 2)]  # of a single mirror plane one side is the half of the view
+        return np.column_stack([rows, -rows @ symmetry.centre])
 
 
 @lru_cache(maxsize=4)  # a score asks for it when the engine is chosen, checked and used
@@ -72,7 +75,7 @@ def beam_stone(stone: Stone) -> BeamStone:
     walls, rim = (_chords(_WALLS), _chords(_RIM)) if solid.is_round else (none, none)
     return BeamStone(
         stone=stone,
-        solid=Solid(planes, planes, np.ascontiguousarray(planes.T), walls, rim, solid.is_round),
+        solid=Solid(planes, planes, np.ascontiguousarray(planes.T), walls, rim, solid.is_round, stone.reach),
         facet=np.append(facet, solid.n_facets - 1),
     )
 

@@ -151,7 +151,7 @@ def write_gcs(design: Design, path: str | os.PathLike[str]) -> None:
         The facets do not close, or the file cannot be written.
     """
     planes = design.planes().real
-    solid = intersect(planes)
+    corners = design.corners()
     root = Element(ROOT, version="1000")
     SubElement(root, "index", gear=f"{abs(design.gear):g}", base="0", symmetry=str(design.folds), mirror="0")
     names, number = design.kinds(), 0
@@ -169,7 +169,7 @@ def write_gcs(design: Design, path: str | os.PathLike[str]) -> None:
             guide="false",
         )
         for plane in planes[number : number + len(tier.indices)]:
-            _facet(made, plane, solid.vertices[solid.polygon(number)])
+            _facet(made, plane, corners[number])
             number += 1
     SubElement(root, "render", material="(from file)", refractive_index=repr(design.index or 1.0))
     info = dict(zip(("title", "author", "date", "header2", "header3"), design.headers, strict=False))

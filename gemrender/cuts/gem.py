@@ -29,7 +29,6 @@ from gemrender.cuts.text import decoded, one_line
 from gemrender.cuts.tiers import tiers_of
 from gemrender.errors import InputError
 from gemrender.reading import read_bytes, told_at
-from gemrender.stone.polyhedron import intersect
 from gemrender.writing import write_whole
 
 __all__ = ["looks_like_gem", "parse_gem", "read_gem", "write_gem"]
@@ -142,7 +141,7 @@ def write_gem(design: Design, path: str | os.PathLike[str]) -> None:
     if (planes[:, 3] <= 0).any():
         raise InputError("a facet passes through the origin, which .gem files cannot say; .asc files can")
     of_tier = design.facet_tiers
-    corners = _corners(planes)
+    corners = design.corners()
     out = bytearray()
     names = [
         name
@@ -168,12 +167,6 @@ def write_gem(design: Design, path: str | os.PathLike[str]) -> None:
             out += _packed(one_line(text))
     file = Path(path)
     write_whole(file.parent, {file.name: lambda made: made.write_bytes(bytes(out))})
-
-
-def _corners(planes: np.ndarray) -> list[np.ndarray]:
-    """Corners of each facet, none for one that others cut away, anticlockwise seen from outside."""
-    solid = intersect(planes)
-    return [solid.vertices[solid.polygon(number)] for number in range(len(planes))]
 
 
 def _packed(text: str) -> bytes:

@@ -58,7 +58,9 @@ def read_scan(path: str | os.PathLike[str], *, up: str | None = None, **facts: A
         except Exception as error:  # whatever the parser meets in a damaged file
             raise InputError(f"is no readable .srn file: {one_line(str(error))[:200]}") from error
         longest = float(np.ptp(vertices, axis=0).max()) if len(vertices) else 0.0
-        notes = (f"a scan, read by way of trial; its longest side is {longest * MICROMETRE_MM:.3f} mm",)
+        notes = (
+            f"a scan, which is read experimentally; its longest side is {longest * MICROMETRE_MM:.3f} mm",
+        )
         return stone_of_triangles(vertices, triangles, up=up, notes=notes, **facts)
 
 

@@ -71,7 +71,7 @@ def reflectance_polarised(cos_air: np.ndarray, index: float) -> tuple[np.ndarray
     Parameters
     ----------
     cos_air : array_like
-        Cosine of the angle of incidence on the air's side, 0 to 1.
+        Cosine of the angle of incidence on the air's side, 0 to 1; complex for complex steps.
     index : float
         Refractive index of the stone relative to air, at least 1.
 
@@ -80,7 +80,7 @@ def reflectance_polarised(cos_air: np.ndarray, index: float) -> tuple[np.ndarray
     (R_s, R_p) : arrays like `cos_air`
         Reflected share of the power; the same from either side of the surface.
     """
-    cos_a = np.asarray(cos_air, dtype=np.float64)
+    cos_a = np.asarray(cos_air)
     cos_b = np.sqrt(1.0 - (1.0 - cos_a**2) / index**2)
     r_s = (cos_a - index * cos_b) / (cos_a + index * cos_b)
     r_p = (index * cos_a - cos_b) / (index * cos_a + cos_b)
@@ -101,10 +101,20 @@ def transmittance_gubelin(cos_air: np.ndarray) -> np.ndarray:
     Parameters
     ----------
     cos_air : array_like
-        Cosine of the angle of incidence on the air's side, 0 to 1.
+        Cosine of the angle of incidence on the air's side, 0 to 1; where it is complex its imaginary part is
+        a derivative, and so is the result's.
     """
-    angle_deg = np.degrees(np.arccos(np.clip(cos_air, 0.0, 1.0)))
-    return np.asarray(1.0 - np.interp(angle_deg, GUBELIN_ANGLES_DEG, GUBELIN_REFLECTED))
+    cos = np.clip(np.real(cos_air), 0.0, 1.0)
+    angle_deg = np.degrees(np.arccos(cos))
+    reflected = np.interp(angle_deg, GUBELIN_ANGLES_DEG, GUBELIN_REFLECTED)
+    if not np.iscomplexobj(cos_air):
+        return np.asarray(1.0 - reflected)
+    # The imaginary part is a derivative: by the angle, the slope between two rows.
+    row = np.clip(np.searchsorted(GUBELIN_ANGLES_DEG, angle_deg), 1, len(GUBELIN_ANGLES_DEG) - 1)
+    slope = (np.diff(GUBELIN_REFLECTED) / np.diff(GUBELIN_ANGLES_DEG))[row - 1]
+    sin = np.sqrt(1.0 - cos**2)
+    by_cos = np.degrees(slope / np.where(sin > 0.0, sin, np.inf))
+    return np.asarray(1.0 - reflected + 1j * by_cos * np.imag(cos_air))
 
 
 def transmittance(cos_air: np.ndarray, index: float, law: str = "exact") -> np.ndarray:

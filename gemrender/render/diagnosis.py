@@ -197,12 +197,12 @@ def _check_exact() -> Check:
         import numba
 
         from gemrender.beam import damaged_cache_files, is_compiled
-        from gemrender.beam.polygons import trace_polygons
+        from gemrender.beam.polygons import follow_polygons
     except Exception as error:  # whatever a half-installed numba raises
         detail = f"numba cannot be imported: {error}"
         return Check(name=EXACT_ENGINE, ok=False, detail=detail, cure="pip install numba")
     found = f"numba {numba.__version__}"
-    folder = getattr(trace_polygons.stats, "cache_path", None)
+    folder = getattr(follow_polygons.stats, "cache_path", None)
     if not folder:
         detail = f"{found}, no folder for its cache can be written, every run compiles again"
         cure = "set NUMBA_CACHE_DIR to a folder that can be written"

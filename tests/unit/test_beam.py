@@ -6,49 +6,43 @@ import numpy as np
 import pytest
 from beam_help import RIM_SIDES, TOLD_AREA, gem, girdle_heavy_brilliant
 from exact_tolerances import TILING
-from gemrender.beam.wall import is_outside, wall_crossing, wall_normal, wall_of
 from physics_tolerances import ROUNDED_ANGLE, ROUNDING
 from solids import bent_stone
 
 from gemrender.beam import FacetStatus, beam_stone, check_bound, measure, trace_facets
+from gemrender.beam.clipping import area, keep_below
 from gemrender.beam.compiled import STEP
-from gemrender.beam.crossing import EXACT, GUBELIN, crossing_factor, into_air, into_stone
-from gemrender.beam.crossing import transmittance as transmittance_of
+from gemrender.beam.crossing import into_air, into_stone
+from gemrender.beam.facets import along_paths
 from gemrender.beam.measure import BOUND_RANGE, facet_sums
 from gemrender.beam.near_girdle import NearGirdle
-from gemrender.beam.polygons import area, clip
-from gemrender.beam.rays import BANDS, INTENSITY, MET, REAR
 from gemrender.cuts import RoundBrilliant, load_stone, stone_from_vertices
 from gemrender.cuts.random import random_brilliant
 from gemrender.engines import engine_for, observe, require_engine
 from gemrender.errors import InputError
+from gemrender.measures.inoue import BANDS, INTENSITY, MET, REAR, path_intensity
 from gemrender.observation import Model, View
 from gemrender.optics.fresnel import transmittance
 from gemrender.scoring import BAND_EDGES, score
 
 INDEX = 2.4173
-LAWS = {"exact": EXACT, "gubelin": GUBELIN}
+LAWS = ("exact", "gubelin")
+
+#: What 64 level girdle facets in place of the cylinder change of this stone's scores [%].
+LEVEL_GIRDLE = 0.01
 
 
 # ---- Optics --------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_transmittance_is_that_of_the_optics(law):
-    cosines = np.linspace(0.001, 1.0, 997)
-    compiled = [transmittance_of(cos, INDEX, LAWS[law]) for cos in cosines]
-    np.testing.assert_allclose(compiled, transmittance(cosines, INDEX, law), rtol=0, atol=ROUNDED_ANGLE)
-
-
-@pytest.mark.parametrize("law", LAWS)
 def test_the_complex_step_differentiates_the_transmittance(law):
     for cos in (0.1, 0.37, 0.8, 0.98):  # of Gübelin's table between two rows
         step = 1e-5
-        difference = transmittance_of(cos + step, INDEX, LAWS[law]) - transmittance_of(
-            cos - step, INDEX, LAWS[law]
-        )
-        slope = transmittance_of(complex(cos, STEP), INDEX, LAWS[law]).imag / STEP
-        assert slope == pytest.approx(difference / 2 / step, rel=1e-6)
+        difference = transmittance(cos + step, INDEX, law) - transmittance(cos - step, INDEX, law)
+        stepped = transmittance(np.array([complex(cos, STEP)]), INDEX, law)[0]
+        assert stepped.imag / STEP == pytest.approx(difference / 2 / step, rel=1e-6)
+        assert stepped.real == pytest.approx(transmittance(cos, INDEX, law), abs=ROUNDED_ANGLE)
 
 
 def test_refraction_in_and_out_is_the_same_way():
@@ -61,12 +55,21 @@ def test_refraction_in_and_out_is_the_same_way():
     assert (again_air, again_stone) == pytest.approx((cos_air, cos_stone), abs=ROUNDING)
 
 
-def test_straight_through_the_cross_section_does_not_change():
-    normal_incidence = 1 - ((INDEX - 1) / (INDEX + 1)) ** 2
-    for radiance in (False, True):
-        for towards_eye in (False, True):
-            factor = crossing_factor(1.0, 1.0, INDEX, EXACT, radiance, towards_eye)
-            assert factor == pytest.approx(normal_incidence, abs=ROUNDING)
+@pytest.mark.parametrize("intensity", ["primary", "radiance"])
+def test_straight_through_the_cross_section_does_not_change(intensity):
+    transmitted = 1 - ((INDEX - 1) / (INDEX + 1)) ** 2
+    straight = np.ones(1)
+    found = path_intensity(straight, straight, Model(fresnel="exact", intensity=intensity))
+    assert found == pytest.approx(transmitted**2, abs=ROUNDING)
+
+
+def test_the_cross_section_changes_as_the_cosines_do():
+    """Light that comes in at 60 degrees in air and goes out straight: the beam grows by cos b / cos a."""
+    at_60 = np.array([0.5])
+    model = {kind: Model(fresnel="exact", intensity=kind) for kind in ("primary", "radiance")}
+    shares = [path_intensity(np.ones(1), at_60, model[kind])[0] for kind in ("primary", "radiance")]
+    cos_stone = np.sqrt(1 - 0.75 / INDEX**2)
+    assert shares[0] / shares[1] == pytest.approx(0.5 / cos_stone, abs=ROUNDING)
 
 
 # ---- Polygons ------------------------------------------------------------------------------------------
@@ -74,27 +77,35 @@ def test_straight_through_the_cross_section_does_not_change():
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 
 
+def kept(corners, n, a, b, c):
+    """Area of the part of a polygon where a + b u + c v <= 0."""
+    table = np.zeros((2, n + 1, 3), dtype=corners.dtype)
+    table[0, :n, :2] = corners
+    part, m = keep_below(table, 0, n, a, b, c)
+    return area(table[part], m) if m else 0.0
+
+
 def test_a_square_has_its_area_and_loses_half_of_it_to_a_diagonal():
-    out = np.empty((8, 2))
     assert area(SQUARE, 4) == 1
-    n = clip(SQUARE, 4, 0.0, 1.0, -1.0, out)  # u <= v
-    assert area(out, n) == 0.5
+    assert kept(SQUARE, 4, 0.0, 1.0, -1.0) == 0.5  # u <= v
 
 
 def test_both_sides_of_a_cut_make_the_whole(rng):
-    out = np.empty((8, 2))
     for a, b, c in rng.normal(0, 0.5, (100, 3)):
-        parts = [area(out, n) if (n := clip(SQUARE, 4, s * a, s * b, s * c, out)) else 0.0 for s in (1, -1)]
+        parts = [kept(SQUARE, 4, s * a, s * b, s * c) for s in (1, -1)]
         assert sum(parts) == pytest.approx(1, abs=ROUNDING)
 
 
 def test_the_area_of_a_moving_edge_has_its_derivative():
     """A unit square cut at u = t has the area t, and its derivative is the edge's length."""
-    out = np.empty((8, 2), dtype=complex)
-    t = complex(0.3, STEP)
-    n = clip(SQUARE.astype(complex), 4, -t, 1.0 + 0j, 0.0 + 0j, out)
-    assert area(out, n) == pytest.approx(0.3)
-    assert area(out, n).imag / STEP == pytest.approx(1)
+    cut = kept(SQUARE.astype(complex), 4, -complex(0.3, STEP), 1.0 + 0j, 0.0 + 0j)
+    assert cut == pytest.approx(0.3)
+    assert cut.imag / STEP == pytest.approx(1)
+
+
+def test_values_are_combined_along_a_path():
+    parents = np.array([-1, -1, 0, 2, 3, 1])
+    np.testing.assert_array_equal(along_paths(parents, 2 ** np.arange(6), np.add), [1, 2, 5, 13, 29, 34])
 
 
 # ---- Stones --------------------------------------------------------------------------------------------
@@ -102,14 +113,15 @@ def test_the_area_of_a_moving_edge_has_its_derivative():
 
 def test_a_perfect_stone_is_57_planes_and_a_bent_one_has_more():
     assert len(beam_stone(load_stone("inoue-3")).solid.planes) == 57
-    assert len(beam_stone(bent_stone(-0.003)).solid.planes) == 57 + 8
+    bent = beam_stone(bent_stone(-0.003))
+    assert (bent.facet < 57).sum() == 57 + 8
 
 
 def test_a_hollow_stone_is_refused_by_name_and_told_what_can_trace_it():
     with pytest.raises(InputError) as caught:
         beam_stone(bent_stone(0.003, name="hollow"))
     words = str(caught.value)
-    assert words.startswith("hollow: is hollow beside facet pavilion_main_")
+    assert words.startswith("hollow: is not convex")
     assert words.endswith("the engines mitsuba and reference trace this one")
 
 
@@ -117,8 +129,8 @@ def test_hollows_of_rounded_digits_are_traced():
     vertices = np.round(load_stone("inoue-3").vertices, 6)
     rounded = score(stone_from_vertices(vertices, name="rounded"), engine="exact")
     perfect = score(load_stone("inoue-3"), engine="exact")
-    assert rounded.average == pytest.approx(perfect.average, abs=rounded.bound + perfect.bound)
-    assert rounded.rear == pytest.approx(perfect.rear, abs=rounded.bound + perfect.bound)
+    assert rounded.average == pytest.approx(perfect.average, abs=LEVEL_GIRDLE)
+    assert rounded.rear == pytest.approx(perfect.rear, abs=LEVEL_GIRDLE)
 
 
 @pytest.mark.parametrize(("culet", "engine"), [(-0.003, "exact"), (0.003, "mitsuba")])
@@ -132,48 +144,14 @@ def test_an_engine_that_is_asked_for_is_taken():
         require_engine("exact", stones=[bent_stone(0.003, name="hollow")])
 
 
-@pytest.mark.parametrize("stretched", [1.0, 1.03])
-def test_walls_stand_inside_the_girdle(stretched):
-    stone = bent_stone(-0.003, stretched=stretched)
-    solid = beam_stone(stone).solid
+def test_walls_stand_inside_a_round_girdle_and_others_need_none():
+    solid = beam_stone(load_stone("inoue-3")).solid
     azimuth = np.linspace(0, 2 * np.pi, 20_001)
-    x, y = np.cos(azimuth), np.sin(azimuth)
-    reach = (solid.walls[:, 2:] / np.maximum(solid.walls[:, :2] @ [x, y], 1e-9)).min(axis=0)
-    for z in (-0.02, 0.0, 0.025, 0.05, 0.07):  # scallops reach beyond the girdle's heights
-        assert (reach <= stone.girdle.radius(x, y, np.full_like(x, z)) + ROUNDING).all()
-
-
-# ---- A measured wall -----------------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def oval():
-    return bent_stone(-0.003, stretched=1.03)
-
-
-def test_the_wall_is_the_stones_girdle(oval, rng):
-    wall, girdle = wall_of(oval.girdle), oval.girdle
-    azimuth, z = rng.uniform(-np.pi, np.pi, 500), rng.uniform(-0.01, 0.06, 500)
-    x, y = np.cos(azimuth), np.sin(azimuth)
-    radius = girdle.radius(x, y, z)
-    points = np.column_stack([radius * x, radius * y, z])
-    compiled = np.array([wall_normal(wall, *point) for point in points])
-    np.testing.assert_allclose(compiled, girdle.normals(points), atol=ROUNDED_ANGLE)
-    for point in points:
-        assert is_outside(wall, *(point * (1 + 1e-9, 1 + 1e-9, 1)))
-        assert not is_outside(wall, *(point * (1 - 1e-9, 1 - 1e-9, 1)))
-
-
-def test_a_ray_crosses_the_wall_where_it_is(oval, rng):
-    wall = wall_of(oval.girdle)
-    for _ in range(200):
-        origin = np.append(rng.uniform(-0.5, 0.5, 2), rng.uniform(0.01, 0.04))
-        azimuth = rng.uniform(-np.pi, np.pi)
-        t = wall_crossing(wall, *origin, np.cos(azimuth), np.sin(azimuth), 0.0, 0.0, np.inf, True)
-        x, y, z = origin + t * np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
-        assert np.hypot(x, y) == pytest.approx(
-            oval.girdle.radius(np.array(x), np.array(y), np.array(z)), abs=1e-12
-        )
+    for walls in (solid.walls, solid.rim):
+        along = walls[:, :2] @ [np.cos(azimuth), np.sin(azimuth)]
+        assert ((walls[:, 2:] / np.maximum(along, 1e-9)).min(axis=0) <= 1 + ROUNDING).all()
+    measured = beam_stone(bent_stone(-0.003, stretched=1.03)).solid
+    assert (len(measured.walls), len(measured.rim), measured.is_round) == (0, 0, False)
 
 
 # ---- Virtual facets ------------------------------------------------------------------------------------
@@ -192,10 +170,12 @@ def test_a_sixteenth_stands_for_the_whole(name):
     assert part.images()[part.is_counted].sum() == whole.is_counted.sum()
 
 
-def test_a_turned_stone_is_traced_whole():
-    assert beam_stone(load_stone("inoue-3")).symmetric
-    assert not beam_stone(load_stone("inoue-3").rotated(10)).symmetric
-    assert len(trace_facets(load_stone("inoue-3").rotated(10), whole=False)) == 552
+def test_the_part_turns_with_the_stone():
+    stone = load_stone("inoue-3")
+    still, turned = (trace_facets(s, whole=False) for s in (stone, stone.rotated(11.25)))
+    assert still.parts == turned.parts == 16
+    np.testing.assert_allclose(facet_sums(turned), facet_sums(still), rtol=0, atol=TILING)
+    assert turned.images()[turned.is_counted].sum() == 552
 
 
 def test_symmetric_stones_tilt_into_whole_views():
@@ -325,6 +305,6 @@ def test_a_misspelt_option_is_refused_not_passed_over(engine):
 
 
 def test_single_rays_sort_by_the_bands_of_scores():
-    from gemrender.beam.rays import BAND_EDGES as SHARES
+    from gemrender.measures.inoue import BAND_EDGES as SHARES
 
     assert [100 * share for share in SHARES] == list(BAND_EDGES[:-1])

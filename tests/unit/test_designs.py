@@ -147,7 +147,7 @@ def test_a_facet_that_others_cut_away_is_none():
 
 def test_planes_that_do_not_close_are_refused():
     for tiers in ((), square().tiers[:2], square().tiers[1:]):
-        with pytest.raises(InputError, match="no facets|do not close"):
+        with pytest.raises(InputError, match=r"no facets|do not close"):
             Design(tiers=tiers).stone()
 
 

@@ -32,7 +32,7 @@ from gemrender.report.facets import (
     facets_figure,
 )
 from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR
-from gemrender.report.palettes import EXIT_COLOURS, TIER_COLOURS
+from gemrender.report.palettes import EXIT_COLOURS
 from gemrender.scoring import BAND_EDGES, score
 from gemrender.stone import Stone
 

@@ -162,7 +162,7 @@ def test_the_doctor_tells_of_damaged_files(monkeypatch):
 
 
 def test_the_doctor_tells_of_a_folder_that_cannot_be_written(monkeypatch):
-    monkeypatch.setattr(polygons.trace_polygons, "_cache", NullCache())
+    monkeypatch.setattr(polygons.follow_polygons, "_cache", NullCache())
     check = diagnosis._check_exact()
     assert check.ok
     assert "every run compiles again" in check.detail

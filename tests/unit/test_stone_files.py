@@ -269,12 +269,14 @@ REFUSED = {
     ),
     "two shapes": (
         PROPORTIONS + ANGLES,
-        "needs exactly one of [proportions], [angles], [report], vertices, design and mesh; has proportions and angles",
+        "needs exactly one of [proportions], [angles], [report], vertices, design and mesh; "
+        "has proportions and angles",
     ),
     "unknown section": (
         PROPORTIONS.replace("[proportions]", "[proportion]\nx = 1"),
         "proportion = {'x': 1, 'table': 54.0, 'star': 57.0, 'lower_girdle_contact…: unknown key; "
-        "must be one of name, proportions, angles, report, vertices, design, mesh, material; did you mean proportions?",
+        "must be one of name, proportions, angles, report, vertices, design, mesh, material; "
+        "did you mean proportions?",
     ),
     "unknown key": (
         PROPORTIONS.replace("crown_height", "crown_hight"),

@@ -1,0 +1,1 @@
+"""Measures of light return: functions of paths, one file a measure."""

@@ -1,0 +1,114 @@
+"""Inoue's primary intensity, rear light, and their shares of a view (`docs/model.md`, sections 4 and 6)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from gemrender.observation import Model, RayStatus
+from gemrender.optics.fresnel import transmittance
+from gemrender.paths import Paths
+from gemrender.stone.facets import PAVILION
+
+__all__ = [
+    "BANDS",
+    "BAND_EDGES",
+    "INTENSITY",
+    "LOST",
+    "MET",
+    "N_SUMS",
+    "REAR",
+    "TRAPPED",
+    "path_intensity",
+    "primary_intensity",
+    "rear_mask",
+    "sum_up",
+]
+
+#: What is summed up over paths: intensity, rear light, trapped, lost, light in the six bands, brightest
+#: first, and all that met the stone.
+INTENSITY, REAR, TRAPPED, LOST, BANDS, MET, N_SUMS = 0, 1, 2, 3, 4, 10, 11
+
+#: Lower edges of the bands of intensity but the last, brightest first, as shares of the light.
+BAND_EDGES = (0.75, 0.60, 0.45, 0.30, 0.15)
+
+
+def rear_mask(paths: Paths, model: Model) -> np.ndarray:
+    """Tell rear light, (n,) bool: by where it came in, through which facet, or from where."""
+    if model.rear == "position":
+        rear = paths.exit_point[:, 2].real <= model.ground
+    elif model.rear == "facet":
+        is_pavilion = np.array([side == PAVILION for side in paths.stone.facet_sides])
+        rear = is_pavilion[paths.exit_facet]
+    else:
+        rear = paths.exit_direction[:, 2].real <= 0.0
+    return np.asarray(rear & (paths.status == RayStatus.EXITED))
+
+
+def path_intensity(cos_entry: np.ndarray, cos_exit: np.ndarray, model: Model) -> np.ndarray:
+    """Return what of the light the two crossings leave: T S T S, or T T for radiance (section 4).
+
+    T is the transmitted share, and S, where light enters, the ratio of the cosines in air and in the stone;
+    where it leaves its reciprocal.
+
+    Parameters
+    ----------
+    cos_entry, cos_exit : (n,) float64 or complex128
+        Cosines of the angles in air on the eye's side and on the light's side.
+
+    Returns
+    -------
+    (n,) array like them
+        Shares, 0 to 1.
+    """
+    index = model.index
+    share = transmittance(cos_entry, index, model.fresnel) * transmittance(cos_exit, index, model.fresnel)
+    if model.intensity == "radiance":
+        return np.asarray(share)
+    in_stone = np.sqrt((index**2 - 1.0 + cos_entry**2) / (index**2 - 1.0 + cos_exit**2))
+    return np.asarray(share * cos_exit / cos_entry * in_stone)
+
+
+def primary_intensity(paths: Paths, model: Model, rear: np.ndarray) -> np.ndarray:
+    """Return the intensity of each path, (n,), 0 to 1; 0 for rear light (n,) bool, and without an exit."""
+    lit = np.flatnonzero((paths.status == RayStatus.EXITED) & ~rear)
+    out = np.zeros(len(paths), dtype=paths.cos_exit.dtype)
+    out[lit] = path_intensity(paths.cos_entry[lit], paths.cos_exit[lit], model)
+    return out
+
+
+def sum_up(
+    paths: Paths,
+    rear: np.ndarray,
+    intensity: np.ndarray,
+    sets: np.ndarray | None = None,
+    n_sets: int = 1,
+) -> np.ndarray:
+    """Sum up areas by what became of the light, each set of paths by itself.
+
+    Parameters
+    ----------
+    paths : Paths
+        The paths.
+    rear, intensity : (n,) bool, (n,) float64
+        Which are rear light, and their intensity (0 to 1).
+    sets, n_sets : (n,) int64, int
+        The set that each belongs to, and how many there are; by default one.
+
+    Returns
+    -------
+    (n_sets, N_SUMS) float64
+        Areas [stone's unit^2], INTENSITY of area times intensity.
+    """
+    out = np.zeros((n_sets, N_SUMS))
+    sets = np.zeros(len(paths), dtype=np.int64) if sets is None else sets
+    out[:, INTENSITY] = np.bincount(sets, paths.area * intensity, n_sets)
+    column = np.select(
+        [rear, paths.status == RayStatus.TRAPPED, paths.status == RayStatus.LOST],
+        [REAR, TRAPPED, LOST],
+        BANDS + np.searchsorted(-np.array(BAND_EDGES), -intensity, side="left"),
+    )
+    met = np.flatnonzero(paths.status != RayStatus.MISSED)
+    by_column = np.bincount(sets[met] * N_SUMS + column[met], paths.area[met], n_sets * N_SUMS)
+    out += by_column.reshape(n_sets, N_SUMS)
+    out[:, MET] = np.bincount(sets[met], paths.area[met], n_sets)
+    return out
