@@ -50,7 +50,7 @@ def _draw_facets(axes: Axes, stone: Stone, view: StoneView, tints: dict[tuple[st
         if size is not None:
             by_size.setdefault(size, []).append((number, label))
     draw_lines(axes, view, PAPER)
-    named = []
+    named: list[int] = []
     for size in sorted(by_size, reverse=True):
         numbers, labels = zip(*by_size[size], strict=True)
         place_labels(axes, labels, fontsize=size, colour=PAPER.ink, parse_math=False)
