@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import sys
 from statistics import NormalDist
-from types import SimpleNamespace
 
 import drjit as dr
 import mitsuba as mi
@@ -22,7 +21,7 @@ from physics_tolerances import (
     THREE_SIGMA,
     WHITE,
 )
-from solids import bent_stone
+from solids import bent_stone, cleft_heart, star_prism
 
 from gemrender import load_stone
 from gemrender.optics import load_material
@@ -30,7 +29,7 @@ from gemrender.optics.fresnel import reflectance
 from gemrender.render.passes import Passes
 from gemrender.scene.mesh import OFFSET_ATTRIBUTES, mesh_solid, placed_mesh
 from gemrender.scene.placing import Placed
-from gemrender.stone import tessellate
+from gemrender.stone import ConvexSolid, Facet, Stone, side_of, tessellate
 
 #: Light of radiance 1 from everywhere (a plain number would be a multiple of daylight in spectral variants).
 FURNACE = {"type": "constant", "radiance": {"type": "uniform", "value": 1.0}}
@@ -42,6 +41,9 @@ STONES = {
     # The first is not convex, and left to Embree; of the other the girdle is not round.
     "hollow": bent_stone(0.003, name="hollow"),
     "oval": bent_stone(0, name="oval", stretched=1.05),
+    # With edges that go in: light leaves them and comes in again.
+    "star": star_prism(),
+    "heart": cleft_heart(),
 }
 
 
@@ -87,18 +89,16 @@ def furnace(stone, bsdf, **more):
 
 
 def polyhedron(corners, polygons):
-    """A convex body of planes, as the mesh of a stone: each plane with vertices of its own."""
-    positions, normals, faces, facet = [], [], [], []
-    for number, polygon in enumerate(polygons):
+    """A convex body of planes, as the mesh of a stone."""
+    planes = []
+    for polygon in polygons:
         points = np.array([corners[i] for i in polygon], dtype=float)
         normal = np.cross(points[1] - points[0], points[2] - points[0])
-        first = len(positions)
-        positions += list(points)
-        normals += [normal / np.linalg.norm(normal)] * len(points)
-        faces += [[first, first + k, first + k + 1] for k in range(1, len(points) - 1)]
-        facet += [number] * (len(points) - 2)
-    split = (np.array(positions), np.array(normals), np.array(faces, dtype=np.int32))
-    return SimpleNamespace(split=lambda: split, face_facet=np.array(facet))
+        normal /= np.linalg.norm(normal)
+        planes.append([*normal, normal @ points[0]])
+    solid = ConvexSolid(planes=np.array(planes), facet=np.arange(len(planes)))
+    facets = tuple(Facet(f"f_{k}", "f", side_of(plane[2])) for k, plane in enumerate(planes))
+    return tessellate(Stone(solid=solid, facets=facets))
 
 
 def by_ray_tracer(shape):
@@ -199,6 +199,8 @@ def kernels(work):
         ("inoue-3", "rutile", (400, 550, 700)),
         ("hollow", "diamond", (550,)),
         ("oval", "cubic zirconia", (400,)),
+        ("star", "quartz", (550,)),
+        ("heart", "diamond", (550,)),
     ],
 )
 def test_stone_cannot_be_seen_in_a_furnace(variant_llvm_ad_spectral, stone, material, wavelengths_nm):
