@@ -95,6 +95,7 @@ class LoadedStones:
         for source, part in zip(self._sources, self._parts, strict=True):
             notes += [f"{source}: {words}" for words in part.notes]
             if len(part) == 1 and not part.notes:
+                notes += [f"{source}: {words}" for words in part[0].notes]  # what was mended
                 notes += assumptions(source, part[0])
         return notes
 

@@ -44,7 +44,8 @@ class Tier:
     ----------
     angle_deg : float
         Angle from the girdle plane [deg]: positive on the crown, negative on the pavilion, 90 or -90 on the
-        girdle; 0 is a table, -0.0 a culet facet. Complex for derivatives.
+        girdle; 0 is a table, -0.0 a culet facet. Complex for derivatives: `complex(angle_deg, step)`, as a
+        sum with a complex step loses the sign of -0.0.
     distance : float
         Distance of the facets from the origin, 0 or more [any unit of length]. Complex for derivatives.
     indices : tuple of float
@@ -175,6 +176,19 @@ class Design:
                     made = _made_name(tier, counts, used)
                 kinds.append(name or made)
         return tuple(kinds)
+
+    def tier_names(self) -> tuple[str, ...]:
+        """Return a name for each tier, unique in the design: the kind of its first facet."""
+        kinds, of_tier = self.kinds(), self.facet_tiers.tolist()
+        names: dict[str, None] = {}
+        for number in range(len(self.tiers)):
+            name = first = kinds[of_tier.index(number)] if number in of_tier else f"tier {number + 1}"
+            more = 1
+            while name in names:
+                more += 1
+                name = f"{first} ({more})"
+            names[name] = None
+        return tuple(names)
 
     def facet_names(self) -> tuple[str, ...]:
         """Return a name for each facet, unique in the design: its kind and its index, such as "P1_24"."""

@@ -10,6 +10,7 @@ import mitsuba as mi
 
 from gemrender.errors import InputError
 from gemrender.observation import (
+    GROUND,
     INTENSITIES,
     LIGHT_LEVEL,
     MAP_CHANNELS,
@@ -87,6 +88,11 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
          below the horizon (``direction``). (Default: ``position``)
        -
 
+     * - ground
+       - |float|
+       - Height of the girdle's lower edge, for ``position``: z = 0, within rounding. (Default: 1e-10)
+       -
+
      * - intensity
        - |string|
        - ``primary``, the paper's intensity per unit cross-section of the beam, or ``radiance``, without
@@ -135,6 +141,7 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         super().__init__(props)
         self.fresnel = choice(props, "fresnel", FRESNEL_LAWS)
         self.rear = choice(props, "rear", REAR_RULES)
+        self.ground = number(props, "ground", GROUND)
         self.intensity = choice(props, "intensity", INTENSITIES)
         self.int_ior = mi.Float64(number(props, "int_ior", GUBELIN_INDEX))
         self.ext_ior = mi.Float64(number(props, "ext_ior", 1.0))
@@ -318,7 +325,7 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         if self.rear == "facet":
             rear = exited & (path.rise < -LEVEL)
         else:
-            rear = exited & ((p.z if self.rear == "position" else d.z) <= 0)
+            rear = exited & (p.z <= self.ground if self.rear == "position" else d.z <= 0)
         transmitted = self._transmittance(*path.eye_side) * self._transmittance(*path.light_side)
         intensity = LIGHT_LEVEL * transmitted
         if self.intensity == "primary":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from collections import Counter
 from pathlib import Path
 
@@ -275,6 +276,67 @@ def test_trimesh_writes_what_is_read(kind, pear):
     data = trimesh.Trimesh(vertices, triangles, process=False).export(file_type=kind)
     read, faces = parse_mesh(data.encode() if isinstance(data, str) else bytes(data), kind)
     assert apart(stone_of_triangles(read, faces, up="z"), pear) < SIX_DIGITS
+
+
+def obj(*lines: str, faces: str = "{}") -> bytes:
+    vertices = [f"v {x} {y} {z}" for x, y, z in CUBE]
+    polygons = ["f " + " ".join(faces.format(k + 1) for k in quad) for quad in QUADS]
+    polygons.insert(3, "usemtl blue\ng other")
+    return "\n".join([*lines, *vertices, *polygons]).encode()
+
+
+def ascii_stl(first: str) -> bytes:
+    facets = [
+        "facet normal 0 0 0\nouter loop\n"
+        + "".join("vertex {:.6E} {:.6E} {:.6E}\n".format(*CUBE[k]) for k in triangle)
+        + "endloop\nendfacet\n"
+        for triangle in TRIANGLES
+    ]
+    half = "".join(facets[:5]) + f"endsolid\n{first}\n" + "".join(facets[5:])
+    return f"{first}\n{half}endsolid\n".encode()
+
+
+def binary_stl(head: bytes) -> bytes:
+    rows = (struct.pack("<12fH", 0, 0, 0, *CUBE[triangle].reshape(-1), 0) for triangle in TRIANGLES)
+    return head.ljust(80) + struct.pack("<I", len(TRIANGLES)) + b"".join(rows)
+
+
+PLY = b"""ply
+format binary_big_endian 1.0
+element vertex 8
+property float x
+property float y
+property float z
+property uchar red
+element face 6
+property list uchar int vertex_indices
+end_header
+"""
+
+
+@pytest.mark.parametrize(
+    ("kind", "data"),
+    {
+        "quads": ("obj", obj()),
+        "materials and textures": ("obj", obj("mtllib a.mtl", "vt 0 0", "vn 0 0 1", faces="{}/1/1")),
+        "lines that end in CRLF": ("obj", obj().replace(b"\n", b"\r\n")),
+        "two solids in one file": ("stl", ascii_stl("solid part")),
+        "capitals": ("stl", ascii_stl("solid part").upper()),
+        "binary": ("stl", binary_stl(b"made by hand")),
+        "binary that begins as text": ("stl", binary_stl(b"solid made by hand")),
+        "big-endian quads": (
+            "ply",
+            PLY
+            + b"".join(struct.pack(">3fB", *corner, 3) for corner in CUBE)
+            + b"".join(struct.pack(">B4i", 4, *quad) for quad in QUADS),
+        ),
+    }.values(),
+)
+def test_a_cube_as_programs_write_it(kind, data):
+    stone = stone_of_triangles(*parse_mesh(data, kind), up="z")
+    assert stone.notes == ()
+    assert len(stone.facets) == 6
+    assert stone.solid.volume == pytest.approx(8.0)
 
 
 def test_a_scene_of_a_glb_file_is_put_together():

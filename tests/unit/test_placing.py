@@ -147,9 +147,7 @@ def test_a_row_turns_as_a_whole():
     row = laid(ROW)
     turned = [placed.turned(77.0) for placed in row]
     for before, after in zip(itertools.pairwise(row), itertools.pairwise(turned), strict=True):
-        gaps = [
-            np.linalg.norm(a.points()[::40, None] - b.points()[::40], axis=2) for a, b in (before, after)
-        ]
+        gaps = [np.linalg.norm(a.points()[::40, None] - b.points()[::40], axis=2) for a, b in (before, after)]
         np.testing.assert_allclose(*gaps, rtol=0, atol=TURNED)
 
 
