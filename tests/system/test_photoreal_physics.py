@@ -499,6 +499,39 @@ def test_slab_absorbs_by_beers_law(variant_llvm_ad_spectral, tmp_path, way, angl
         assert measured == pytest.approx(R + (1 - R) ** 2 * a / (1 - R * a), rel=SLAB)
 
 
+# ---- Kernels -------------------------------------------------------------------------------------------
+
+
+def ellipsoid(n, seed=0):
+    """A stone of n planes that touch an ellipsoid."""
+    normals = np.random.default_rng(seed).normal(size=(n, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    planes = np.column_stack([normals, np.linalg.norm(normals * [1.0, 0.8, 0.6], axis=1)])
+    facets = tuple(Facet(f"f_{k}", "f", side_of(plane[2])) for k, plane in enumerate(planes))
+    return Stone(solid=ConvexSolid(planes=planes, facet=np.arange(n)), facets=facets)
+
+
+def test_a_stone_of_another_cut_needs_no_new_kernel(variant_llvm_ad_spectral):
+    def of(stone, **properties):
+        scene = furnace(stone, surface(material="diamond", **properties))
+        return kernels(lambda: dr.eval(mi.render(scene, spp=4)))
+
+    known = of(STONES["inoue-1"])  # 57 planes and a cylinder
+    for stone in (STONES["inoue-3"], bent_stone(-0.003).rotated(10.0), ellipsoid(33), ellipsoid(64)):
+        assert (of(stone) <= known) == (len(stone.solid.planes) <= 64), len(stone.solid.planes)
+    assert of(ellipsoid(96, seed=1)) <= of(ellipsoid(70))
+    assert not of(ellipsoid(97)) <= of(ellipsoid(96))
+
+
+@pytest.mark.parametrize(("n", "by_planes"), [(384, True), (385, False)])
+def test_stones_of_many_planes_lose_no_light(variant_llvm_ad_spectral, n, by_planes):
+    scene = furnace(ellipsoid(n), surface(material="quartz"))
+    stones = sys.modules["gemrender.plugins.stones"].Stones(scene, mi.load_dict({"type": "independent"}))
+    assert stones.by_planes == by_planes
+    off, _ = off_by(*Passes(scene, seed=15).radiance_at(550.0, 64))
+    assert abs(off) <= THREE_SIGMA
+
+
 # ---- Two ways to the next facet ------------------------------------------------------------------------
 
 
