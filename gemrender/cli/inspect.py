@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated
 
 from gemrender.cli.groups import command
-from gemrender.cli.options import Stones, TableOptions, trace_options
+from gemrender.cli.options import MaterialOptions, Stones, TableOptions, trace_options
 from gemrender.cli.output import print_records
 from gemrender.cli.stones import load
 from gemrender.cli.values import number_option
@@ -16,6 +16,7 @@ __all__ = ["inspect"]
 @command
 def inspect(
     stones: Stones,
+    of: MaterialOptions,
     table: TableOptions,
     size: Annotated[
         float,
@@ -38,7 +39,8 @@ def inspect(
 
     form = table.chosen
     check_size(size)
-    found = [inspect_stone(stone, size_mm=size) for stone in load(stones, trace_options()).stones]
+    loaded = load(stones, trace_options(), material=of.material)
+    found = [inspect_stone(stone, size_mm=size) for stone in loaded.stones]
     print_records(
         form,
         tables=lambda: inspection_tables(found),

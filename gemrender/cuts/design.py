@@ -177,6 +177,19 @@ class Design:
                 kinds.append(name or made)
         return tuple(kinds)
 
+    def tier_names(self) -> tuple[str, ...]:
+        """Return a name for each tier, unique in the design: the kind of its first facet."""
+        kinds, of_tier = self.kinds(), self.facet_tiers.tolist()
+        names: dict[str, None] = {}
+        for number in range(len(self.tiers)):
+            name = first = kinds[of_tier.index(number)] if number in of_tier else f"tier {number + 1}"
+            more = 1
+            while name in names:
+                more += 1
+                name = f"{first} ({more})"
+            names[name] = None
+        return tuple(names)
+
     def facet_names(self) -> tuple[str, ...]:
         """Return a name for each facet, unique in the design: its kind and its index, such as "P1_24"."""
         kinds = self.kinds()

@@ -16,8 +16,8 @@ __all__ = ["RAY_OFFSET", "Stones", "reflectance", "refracted"]
 #: Numbers of planes that kernels are compiled for; a stone with fewer has the rest of no effect, so that
 #: another stone seldom needs another kernel. On two cores Embree takes as long as some 450 planes.
 PLANE_CLASSES = (32, 64, 96, 128, 192, 256, 384)
-#: Planes of all stones together that are compiled, one stone beside the other; of more stones Embree is asked.
-#: Eight stones of 64 planes take a third of its time.
+#: Planes of all stones together that are compiled, one stone beside the other; where there are more, Embree
+#: is asked. Eight stones of 64 planes take a third of its time.
 _MOST_COMPILED = 512
 
 
@@ -241,7 +241,7 @@ class Stones:
         return active & si.is_valid() & ~si.shape.is_emitter(), radiance
 
     def _compile(self, solids: list[ConvexSolid], n_stones: int) -> bool:
-        """Put the planes of all stones into the kernel, as numbers that it reads once; return whether it is."""
+        """Put the planes of all stones into the kernel, as numbers that it reads once, if they are few."""
         most = max((len(solid.planes) for solid in solids), default=0)
         padded = next((n for n in PLANE_CLASSES if n >= most), None)
         if not solids or len(solids) < n_stones or padded is None or n_stones * padded > _MOST_COMPILED:
@@ -257,9 +257,7 @@ class Stones:
         self.cylinders = [[_opaque(x) for x in row] for row in cylinders]
         return True
 
-    def _nearest_plane(
-        self, stone: mi.UInt32, p: mi.Point3f, d: mi.Vector3f
-    ) -> tuple[mi.Float, mi.Vector3f]:
+    def _nearest_plane(self, stone: mi.UInt32, p: mi.Point3f, d: mi.Vector3f) -> tuple[mi.Float, mi.Vector3f]:
         """Return how far the surface is that a ray leaves a convex stone through, and its outward normal."""
         others = [stone == k + 1 for k in range(1, len(self.planes))]
 

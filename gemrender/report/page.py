@@ -232,6 +232,7 @@ def traced_as(model: Model, view: View) -> dict[str, Any]:
             "rear": model.rear,
             "intensity": model.intensity,
             "maxReflections": model.max_reflections,
+            "ground": model.ground,
         },
         "view": {"basis": view.basis().tolist(), "halfWidth": view.half_width, "tilt": view.tilt_deg},
     }

@@ -95,16 +95,25 @@ def convex_solid(
     if not 0 < len(distinct) <= _MOST_PLANES:
         return None
     if not fits(positions, faces, planes):
-        fitted = _fitted(positions, normals, faces[flat], plane_of.reshape(-1))
-        if fitted is None or not fits(positions, faces[flat], fitted[plane_of.reshape(-1)]):
+        plane_of, flat_faces = plane_of.reshape(-1), faces[flat]
+        corners = positions[flat_faces]
+        area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        # Vertex normals that were moved with the mesh are the best; those that Mitsuba makes anew are less
+        # so than the faces themselves.
+        for towards in (normals[flat_faces].sum(axis=1), area):
+            distinct = _fitted(corners, towards, plane_of)
+            if fits(positions, flat_faces, distinct[plane_of]):
+                break
+        else:
             return None
-        distinct = fitted
     solid = ConvexSolid(planes=distinct, cylinder=None)
     if not solid.holds(positions, margin=_FLAT * size).all():
         return None
     if flat.all():
         return solid
     on_girdle = np.unique(faces[~flat])
+    if not normals[on_girdle].any():
+        return None
     cylinder = _cylinder(positions[on_girdle], normals[on_girdle])
     beside = np.abs(_radii(positions[on_girdle], cylinder[:3], cylinder[3:6]) - cylinder[6])
     if not beside.max() <= _FLAT * size:
@@ -113,25 +122,32 @@ def convex_solid(
 
 
 def _size(positions: np.ndarray) -> float:
-    """What single precision rounds by goes with the distance from the origin."""
+    """Return what single precision rounds shares of: it goes with the distance from the origin."""
     return max(float(np.linalg.norm(np.ptp(positions, axis=0))), 0.1 * float(np.abs(positions).max()))
 
 
-def _fitted(
-    positions: np.ndarray, normals: np.ndarray, faces: np.ndarray, plane_of: np.ndarray
-) -> np.ndarray | None:
-    """Fit planes to faces (f, 3) that are known to share them, by their vertices' normals; (n, 4) or None."""
-    corners, plane = faces.reshape(-1), np.repeat(plane_of, 3)
-    count = np.bincount(plane)
+def _fitted(corners: np.ndarray, towards: np.ndarray, plane_of: np.ndarray) -> np.ndarray:
+    """Fit planes to faces that are known to share them, (n, 4).
+
+    Parameters
+    ----------
+    corners : (f, 3, 3) float64
+        Corners of the faces.
+    towards : (f, 3) float64
+        Vectors along their normals, in or out, with their weights.
+    plane_of : (f,) int
+        Plane of each.
+    """
+    count = np.bincount(plane_of)
     normal, middle = (
-        np.column_stack([np.bincount(plane, values[corners, k]) for k in range(3)]) / count[:, None]
-        for values in (normals, positions)
+        np.column_stack([np.bincount(plane_of, values[:, k]) for k in range(3)]) / count[:, None]
+        for values in (towards, corners.mean(axis=1))
     )
     length = np.linalg.norm(normal, axis=1)
-    if not (length > 0.5).all():  # no normals
-        return None
-    normal /= length[:, None]
-    return np.column_stack([normal, np.einsum("ij,ij->i", normal, middle)])
+    normal /= np.where(length > 0, length, 1)[:, None]
+    normal *= np.where(np.einsum("ij,ij->i", normal, middle - corners.mean(axis=(0, 1))) < 0, -1, 1)[:, None]
+    offset = np.einsum("ij,ij->i", normal, middle)
+    return np.column_stack([normal, np.where(length > 0, offset, np.inf)])  # without a normal it fits nothing
 
 
 def _cylinder(points: np.ndarray, normals: np.ndarray) -> np.ndarray:

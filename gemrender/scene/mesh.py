@@ -20,13 +20,14 @@ __all__ = [
     "placed_mesh",
     "stone_mesh",
     "sweep_mesh",
+    "tube_mesh",
 ]
 
 #: Face attribute with the number of the facet.
 FACET_ATTRIBUTE = "face_facet"
-#: Face attributes with the plane's outward normal and its offset in the mesh's own coordinates, each in double
-#: precision as the sum of two singles. On a round girdle the normal is 0 and the offset the radius of its
-#: cylinder. Where a mesh is moved they no longer fit, which its vertices tell.
+#: Face attributes with the plane's outward normal and its offset in the mesh's own coordinates, each in
+#: double precision as the sum of two singles. On a round girdle the normal is 0 and the offset the radius of
+#: its cylinder. Where a mesh is moved they no longer fit, which its vertices tell.
 NORMAL_ATTRIBUTES = ("face_normal_high", "face_normal_low")
 OFFSET_ATTRIBUTES = ("face_offset_high", "face_offset_low")
 
@@ -75,9 +76,8 @@ def placed_mesh(placed: Placed, bsdf: dict[str, Any] | None = None, name: str = 
     """
     _, normals, faces = placed.mesh.split()
     shape = _mesh(name, placed.split_points(), normals @ placed.rotation.T, faces, bsdf)
-    planes = placed.mesh.face_normals @ placed.rotation.T
-    offsets = placed.scale * placed.mesh.face_offsets + planes @ placed.shift
-    return _with_planes(shape, placed.mesh.face_facet, planes, offsets)
+    planes = placed.planes()
+    return _with_planes(shape, placed.mesh.face_facet, planes[:, :3], planes[:, 3])
 
 
 def sweep_mesh(
@@ -117,8 +117,35 @@ def sweep_mesh(
     return _mesh(name, positions @ to_place, normals @ to_place, faces, bsdf)
 
 
+def tube_mesh(
+    *, outline: np.ndarray, low: float, high: float, bsdf: dict[str, Any] | None = None, name: str = "tube"
+) -> Any:
+    """Build an upright tube, open at both ends.
+
+    Parameters
+    ----------
+    outline : (n, 2) float64
+        Corners of a convex polygon, anticlockwise [scene unit].
+    low, high : float
+        Heights of its ends [scene unit].
+
+    Returns
+    -------
+    mi.Mesh
+    """
+    n = len(outline)
+    along = np.roll(outline, -1, axis=0) - outline
+    across = np.column_stack([along[:, 1], -along[:, 0]]) / np.linalg.norm(along, axis=1, keepdims=True)
+    corners = np.stack([outline, np.roll(outline, -1, axis=0)], axis=1).repeat(2, axis=0).reshape(-1, 2)
+    heights = np.tile([low, low, high, high], n)
+    normals = np.column_stack([np.repeat(across, 4, axis=0), np.zeros(4 * n)])
+    first = 4 * np.arange(n)[:, None, None]
+    faces = (first + np.array([[0, 1, 3], [0, 3, 2]])).reshape(-1, 3)
+    return _mesh(name, np.column_stack([corners, heights]), normals, faces, bsdf)
+
+
 def carried_planes(shape: Any) -> np.ndarray | None:
-    """Return the planes that a mesh carries for its faces, (f, 4) float64: normal and offset; None if none."""
+    """Return the plane that a mesh carries for each face, (f, 4) float64: normal and offset; None if none."""
     import mitsuba as mi
 
     names = (*NORMAL_ATTRIBUTES, *OFFSET_ATTRIBUTES)
@@ -139,9 +166,7 @@ def mesh_solid(shape: Any) -> ConvexSolid | None:
     values = mi.traverse(shape)
     positions = np.array(values["vertex_positions"]).reshape(-1, 3)
     normals = np.array(values["vertex_normals"]) if shape.has_vertex_normals() else np.zeros(positions.size)
-    return convex_solid(
-        positions, normals.reshape(-1, 3), np.array(values["faces"]).reshape(-1, 3), planes
-    )
+    return convex_solid(positions, normals.reshape(-1, 3), np.array(values["faces"]).reshape(-1, 3), planes)
 
 
 def _mesh(

@@ -114,7 +114,7 @@ def test03_maps_and_scores_are_the_references(kind, options):
     )
     few = np.maximum(exact.reflections, truth.reflections) <= FEW_REFLECTIONS
     same = (exact.status == truth.status) & (exact.path_code == truth.path_code)
-    assert 100 * same[few].mean() >= (SAME_PATH_FEW if stone.girdle.is_round else SAME_PATH_MEASURED)
+    assert 100 * same[few].mean() >= (SAME_PATH_FEW if stone.is_round else SAME_PATH_MEASURED)
     assert crosscheck(exact, truth).same_path >= SAME_PATH
     # A map of half the side has 2^1.5 times the error.
     pixels = score_pixels(truth)

@@ -306,6 +306,17 @@ def test05_two_stones_stay_linked(opened, pages, observed):
     assert (moved["x"], moved["y"]) == (seen.ray(1)["x"], seen.ray(1)["y"])
 
 
+def test05_stones_of_different_cuts_are_told_in_one_table(opened, pages):
+    """What one cut has and another lacks is a dash."""
+    rows = opened(pages["cuts"]).page.locator("#proportions tbody tr").evaluate_all(
+        "rows => rows.map(row => [...row.children].map(cell => cell.innerText))"
+    )
+    values = {name: cells for name, *cells in rows}
+    assert values["Star length"] == ["57.00 %", "–", "–"]
+    assert values["Length to width"] == ["–", "1.25", "1.25"]
+    assert values["Total depth"] == ["61.28 %", "60.28 %", "63.52 %"]
+
+
 def test06_keyboard(opened, pages):
     seen = opened(pages["one"])
     page, order = seen.page, []

@@ -30,7 +30,7 @@ LAYERS: list[dict[str, set[str]]] = [
     {"request": set()},
     {"reference": {"numpy"}},
     {"beam": {"numpy", "numba"}},
-    {"scene": {"numpy", "mitsuba"}},
+    {"scene": {"numpy", "scipy", "mitsuba"}},
     {"plugins": {"numpy", "mitsuba", "drjit"}},
     {"render": {"numpy", "numba", "mitsuba", "drjit", "colour", "OpenEXR", "PIL", "av", "mitsuba_oidn"}},
     {"engines": set()},

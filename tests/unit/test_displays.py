@@ -12,7 +12,7 @@ import pytest
 from displays_help import boxes, measured_stone, overlaps, texts
 from matplotlib import image
 
-from gemrender.cli.show import _FORMATS, _WHATS, _points
+from gemrender.cli.show import _DISPLAYS, _FORMATS, _points
 from gemrender.cuts import RoundBrilliant, bundled_stones, load_stone, stone_from_vertices
 from gemrender.cuts.round_brilliant.topology import FACET_KINDS, GIRDLE, TRIANGLES, VERTEX_LABELS
 from gemrender.errors import InputError
@@ -489,7 +489,7 @@ def test_an_unknown_format(tmp_path):
 
 
 def test_the_command_knows_what_the_package_draws():
-    assert _WHATS == DISPLAYS
+    assert _DISPLAYS == DISPLAYS
     assert set().union(*_FORMATS.values()) == set(FORMATS)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import drjit as dr
 import mitsuba as mi
 import numpy as np
@@ -9,7 +11,7 @@ import pytest
 from manuals import code_tab
 from physics_tolerances import SINGLE_RADIANCE
 
-from gemrender import Model, RayStatus, Stone, View, load_stone, observe
+from gemrender import Model, RayStatus, View, load_stone, observe
 from gemrender.scene import stone_scene
 
 #: The manual's list of channels, in order.
@@ -110,7 +112,7 @@ def test_changed_parameters_take_effect(variant_llvm_ad_mono):
         params[key] = value
     params.update()
     _, aov = channels(scene)
-    glass = Stone(vertices=STONE.vertices, material=2.0)  # only the ratio of the indices counts
+    glass = dataclasses.replace(STONE, material=2.0)  # only the ratio of the indices counts
     _, expected = channels(scene_of(glass, model=Model(index=2.0, fresnel="exact", max_reflections=1)))
     assert (aov["status"] == RayStatus.TRAPPED).any()
     for name in AOVS:
@@ -234,7 +236,7 @@ BAD = [
     ({"max_reflections": 1 << 32}, "max_reflections = 4294967296: must be a whole number, at least 1"),
     ({"max_reflections": "many"}, "max_reflections = 'many': must be a whole number, at least 1"),
     ({"fresnel": "table"}, "fresnel = 'table': must be one of gubelin, exact"),
-    ({"rear": "below"}, "rear = 'below': must be one of position, direction"),
+    ({"rear": "below"}, "rear = 'below': must be one of position, facet, direction"),
     ({"intensity": "full"}, "intensity = 'full': must be one of primary, radiance"),
 ]
 

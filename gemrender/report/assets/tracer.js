@@ -177,9 +177,9 @@ const GemTracer = (() => {
     }
 
     /** Section 2.3: what came in at z <= 0 is rear light; or through a pavilion facet, or from below. */
-    function isRear(rule, { point, normal }, direction, level) {
+    function isRear({ rear: rule, ground }, { point, normal }, direction, level) {
         if (rule === 'facet') return normal[2] < -level;
-        return (rule === 'position' ? point[2] : direction[2]) <= 0;
+        return rule === 'position' ? point[2] <= ground : direction[2] <= 0;
     }
 
     // ---- One ray (reference/tracer.py: sections 2.1 to 2.3 of the paper) -------------------------------
@@ -239,7 +239,7 @@ const GemTracer = (() => {
                 const sIn = isPrimary ? out.cos / cos : 1;
                 path.status = STATUS.EXITED;
                 path.factors = { tIn, sIn, tOut, sOut };
-                path.rear = isRear(model.rear, hit, out.direction, optics.level);
+                path.rear = isRear(model, hit, out.direction, optics.level);
                 path.intensity = path.rear ? 0 : LIGHT_LEVEL * tIn * sIn * tOut * sOut;
                 return path;
             }

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING
 
-from gemrender.report.displays.labels import Label, fits, place_labels
+from gemrender.report.displays.labels import Label, fits, place_labels, text_boxes
 from gemrender.report.displays.page import PAPER, draw_lines, three_views
 from gemrender.report.displays.projection import StoneView
 from gemrender.report.palettes import draw_swatch, kind_tints
@@ -40,8 +40,7 @@ def polygons_figure(stone: Stone) -> Figure:
 
 def _draw_facets(axes: Axes, stone: Stone, view: StoneView, tints: dict[tuple[str, str], str]) -> list[int]:
     """Draw the visible facets and their names; return those that have theirs."""
-    by_size: dict[float, list[Label]] = {}
-    named = []
+    by_size: dict[float, list[tuple[int, Label]]] = {}
     for number, polygon in zip(view.facets, view.polygons, strict=True):
         facet = stone.facets[number]
         colour = tints[facet.side, facet.kind]
@@ -49,12 +48,26 @@ def _draw_facets(axes: Axes, stone: Stone, view: StoneView, tints: dict[tuple[st
         label = Label(text=facet.name.replace("_", " "), at=polygon.mean(axis=0), polygon=polygon)
         size = next((size for size in _SIZES if fits(axes, label, size)), None)
         if size is not None:
-            by_size.setdefault(size, []).append(label)
-            named.append(number)
+            by_size.setdefault(size, []).append((number, label))
     draw_lines(axes, view, PAPER)
-    for size, labels in by_size.items():
+    named = []
+    for size in sorted(by_size, reverse=True):
+        numbers, labels = zip(*by_size[size], strict=True)
         place_labels(axes, labels, fontsize=size, colour=PAPER.ink, parse_math=False)
-    return named
+        named += numbers
+    return named if stone.is_convex else _without_overlaps(axes, named)
+
+
+def _without_overlaps(axes: Axes, named: list[int]) -> list[int]:
+    """Take out names that lie on larger ones: of a stone that is not convex facets may hide each other."""
+    boxes, texts = text_boxes(axes), list(axes.texts)
+    kept: list[int] = []
+    for i, (left, bottom, right, top) in enumerate(boxes):
+        if any(left < b[2] and b[0] < right and bottom < b[3] and b[1] < top for b in boxes[kept]):
+            texts[i].remove()
+        else:
+            kept.append(i)
+    return [named[i] for i in kept]
 
 
 def _draw_legend(axes: Axes, stone: Stone, tints: dict[tuple[str, str], str], unnamed: int) -> None:
