@@ -308,8 +308,10 @@ def test05_two_stones_stay_linked(opened, pages, observed):
 
 def test05_stones_of_different_cuts_are_told_in_one_table(opened, pages):
     """What one cut has and another lacks is a dash."""
-    rows = opened(pages["cuts"]).page.locator("#proportions tbody tr").evaluate_all(
-        "rows => rows.map(row => [...row.children].map(cell => cell.innerText))"
+    rows = (
+        opened(pages["cuts"])
+        .page.locator("#proportions tbody tr")
+        .evaluate_all("rows => rows.map(row => [...row.children].map(cell => cell.innerText))")
     )
     values = {name: cells for name, *cells in rows}
     assert values["Star length"] == ["57.00 %", "–", "–"]
