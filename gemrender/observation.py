@@ -14,6 +14,7 @@ from gemrender.optics.materials import INDEX_RANGE, refractive_index
 from gemrender.stone import Stone
 
 __all__ = [
+    "GROUND",
     "INTENSITIES",
     "LIGHT_LEVEL",
     "MAP_CHANNELS",
@@ -42,6 +43,8 @@ LIGHT_LEVEL = 100.0
 PATH_CODE_FACTOR = 61
 PATH_CODE_MASK = (1 << 24) - 1
 
+#: z = 0 within rounding, such as that of a level base's height [stone's unit].
+GROUND = 1e-10
 #: Largest accepted map [pixels a side].
 MOST_PIXELS = 16384
 #: A ray still inside after so many reflections is trapped; symmetric stones reach several hundred.
@@ -74,6 +77,8 @@ class Model:
         The paper's measure T S T S, or radiance T T.
     max_reflections : int
         Total reflections after which a ray counts as trapped.
+    ground : float
+        Height at and below which light is rear light by position: 0, within rounding [stone's unit].
 
     Raises
     ------
@@ -86,6 +91,7 @@ class Model:
     rear: str = "position"
     intensity: str = "primary"
     max_reflections: int = MOST_REFLECTIONS
+    ground: float = GROUND
 
     def __post_init__(self) -> None:
         for key, allowed in (("fresnel", FRESNEL_LAWS), ("rear", REAR_RULES), ("intensity", INTENSITIES)):
@@ -133,6 +139,9 @@ class Model:
             rear=rear or stone.rear_rule,
             intensity=intensity,
             max_reflections=max_reflections,
+            # z = 0 is the level lower edge, and a level base there lies below it. Where the edge is not
+            # level, it is the edge's lowest point, and nothing that reaches no lower does.
+            ground=GROUND if stone.rear_rule == "position" else -GROUND,
         )
 
 

@@ -23,6 +23,7 @@ __all__ = [
     "did_you_mean",
     "open_file",
     "parse_toml",
+    "read_bytes",
     "read_lines",
     "reason",
     "refuse_missing",
@@ -72,17 +73,7 @@ def read_lines(
         is too long. Its source is the file.
     """
     source = str(path)
-    try:
-        with open_file(path) as file:
-            data = file.read(MOST_BYTES + 1)
-    except FileNotFoundError as error:
-        raise InputError(missing, source=source) from error
-    except InputError:
-        raise
-    except (OSError, ValueError) as error:  # ValueError: a path with a null character
-        raise InputError(f"cannot be read ({reason(error)})", source=source) from error
-    if len(data) > MOST_BYTES:
-        raise InputError(f"is no {kind} file: larger than {MOST_BYTES} bytes", source=source)
+    data = read_bytes(path, kind=kind, missing=missing)
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -98,6 +89,51 @@ def read_lines(
                 key=f"line {number}",
             )
     return lines
+
+
+def read_bytes(
+    path: Path, *, kind: str, missing: str = "no such file", most_bytes: int = MOST_BYTES
+) -> bytes:
+    """Read a file whole.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    kind : str
+        What it is a file of, as in "is no stone file".
+    missing : str
+        What to say where there is no such file.
+    most_bytes : int
+        Largest file that is allowed [bytes].
+
+    Raises
+    ------
+    InputError
+        No such file, one that cannot be read, or larger than `most_bytes`. Its source is the file.
+    """
+    source = str(path)
+    try:
+        with open_file(path) as file:
+            data = _whole(file, most_bytes + 1)
+    except FileNotFoundError as error:
+        raise InputError(missing, source=source) from error
+    except InputError:
+        raise
+    except (OSError, ValueError) as error:  # ValueError: a path with a null character
+        raise InputError(f"cannot be read ({reason(error)})", source=source) from error
+    if len(data) > most_bytes:
+        raise InputError(f"is no {kind} file: larger than {most_bytes} bytes", source=source)
+    return data
+
+
+def _whole(file: io.FileIO, most: int) -> bytes:
+    """Read up to so many bytes; one call of an unbuffered file may return fewer than there are."""
+    parts = []
+    while most > 0 and (part := file.read(most)):
+        parts.append(part)
+        most -= len(part)
+    return b"".join(parts)
 
 
 def open_file(path: Path, flags: int = os.O_RDONLY) -> io.FileIO:

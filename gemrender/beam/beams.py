@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from gemrender.beam.compiled import jit_inner, real
-from gemrender.measures.inoue import GROUND
 
 __all__ = [
     "BEAM",
@@ -125,10 +124,10 @@ def is_within(corners: Any, n: int, beam: Any, radius: float) -> bool:
 
 
 @jit_inner
-def is_cut_by_ground(corners: Any, n: int, beam: Any) -> bool:
-    """Whether a polygon's points lie on both sides of z = 0."""
+def is_cut_by_ground(corners: Any, n: int, beam: Any, ground: float) -> bool:
+    """Whether a polygon's points lie on both sides of z = ground."""
     above = 0
     for k in range(n):
-        if real(beam.z + beam.zu * corners[k, 0] + beam.zv * corners[k, 1]) > GROUND:
+        if real(beam.z + beam.zu * corners[k, 0] + beam.zv * corners[k, 1]) > ground:
             above += 1
     return 0 < above < n

@@ -174,6 +174,7 @@ def kernel_rules(model: Model) -> Rules:
         refractive_index=float(model.index),
         max_reflections=int(model.max_reflections),
         cut_at_ground=model.rear == "position",
+        ground=float(model.ground),
     )
 
 

@@ -48,7 +48,6 @@ from gemrender.beam.lists import (
     with_room,
 )
 from gemrender.beam.rules import Rules, Solid
-from gemrender.measures.inoue import GROUND
 
 __all__ = ["EXITED", "GIRDLE_CELL", "TRAPPED", "Traced", "follow_polygons", "see_facets", "trace_polygons"]
 
@@ -196,15 +195,15 @@ def _at_walls(
 
 @jit_inner
 def _leave(
-    path: Any, leaves: int, beam: Any, table: Any, part: int, n: int, size: Any, at_ground: bool, done: Any
+    path: Any, leaves: int, beam: Any, table: Any, part: int, n: int, size: Any, rules: Any, done: Any
 ) -> Any:  # fmt: skip
-    """Write a polygon that leaves into the list, cut along z = 0 if that is asked for; return its area."""
-    if not (at_ground and is_cut_by_ground(table[part], n, beam)):
+    """Write a polygon that leaves into the list, cut at the ground if that is asked for; return its area."""
+    if not (rules.cut_at_ground and is_cut_by_ground(table[part], n, beam, rules.ground)):
         add(done, EXITED, path, leaves, beam, table, part, n, size)
         return real(size)
     written = 0.0
     for sign in (1.0, -1.0):
-        other, m = keep_below(table, part, n, sign * (beam.z - GROUND), sign * beam.zu, sign * beam.zv)
+        other, m = keep_below(table, part, n, sign * (beam.z - rules.ground), sign * beam.zu, sign * beam.zv)
         size = area(table[other], m)
         if m and real(size) >= _NO_AREA:
             written += real(size)
@@ -282,7 +281,7 @@ def follow_polygons(solid: Any, rules: Any, seen: float, limits: Any, work: Any)
             if not is_total(cos, index):
                 dx, dy, dz, _, _ = into_air(beam.dx, beam.dy, beam.dz, nx, ny, nz, index)
                 met, ends = turned(met, dx, dy, dz), Path(here, path.reflections, path.entry)
-                left -= _leave(ends, i, met, table, part, m, size, rules.cut_at_ground, done)
+                left -= _leave(ends, i, met, table, part, m, size, rules, done)
                 continue
             left -= real(size)
             # Too small, or too long on its way.

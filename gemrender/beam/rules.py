@@ -12,7 +12,8 @@ class Rules(NamedTuple):
 
     refractive_index: float
     max_reflections: int
-    cut_at_ground: bool  # whether polygons that leave are cut along z = 0
+    cut_at_ground: bool  # whether polygons that leave are cut along z = ground
+    ground: float
 
 
 class Solid(NamedTuple):

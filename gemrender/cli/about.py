@@ -7,11 +7,11 @@ from typing import Annotated, Any
 
 import typer
 
-from gemrender.cli.gems import complete_materials, complete_setups
+from gemrender.cli.gems import complete_setups
 from gemrender.cli.groups import command
 from gemrender.cli.options import OUTPUT, TableOptions, bundled_names
 from gemrender.cli.output import print_records, stdout, told_as
-from gemrender.cli.values import complete_words
+from gemrender.cli.values import complete_materials, complete_words
 
 __all__ = ["doctor", "materials", "setups", "stones"]
 

@@ -7,6 +7,7 @@ from typing import Annotated
 from gemrender.cli.groups import command
 from gemrender.cli.options import (
     EngineOptions,
+    MaterialOptions,
     ModelOptions,
     TableOptions,
     ViewOptions,
@@ -24,6 +25,7 @@ __all__ = ["compare"]
 def compare(
     given: StoneOptions,
     engine: EngineOptions,
+    of: MaterialOptions,
     model: ModelOptions,
     view: ViewOptions,
     table: TableOptions,
@@ -40,7 +42,7 @@ def compare(
 
     form = table.chosen
     options = trace_options(engine, model, view)
-    loaded = load(given.stones, options, given.settings)
+    loaded = load(given.stones, options, given.settings, of.material)
     prepare_engine(options, loaded.samples, out)
     folder = None if out is None else prepare_folder(out)
     scores, panels, pair = [], [], []

@@ -10,6 +10,7 @@ from gemrender.cli.groups import command
 from gemrender.cli.options import (
     AnyStones,
     EngineOptions,
+    MaterialOptions,
     ModelOptions,
     Resolution,
     TableOptions,
@@ -35,6 +36,7 @@ _MOST_RANDOM = 100_000
 
 @command
 def crosscheck(
+    of: MaterialOptions,
     model: ModelOptions,
     view: ViewOptions,
     table: TableOptions,
@@ -54,7 +56,7 @@ def crosscheck(
 
     form = table.chosen
     options = trace_options(EngineOptions(variant=variant, resolution=resolution), model, view)
-    named = load(stones or [], options)
+    named = load(stones or [], options, material=of.material)
     loaded = [*named.stones, *_random_stones(random, seed)]
     if not loaded:
         raise InputError("missing: name stones, or ask for some by --random", key="STONE")

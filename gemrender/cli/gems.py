@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from gemrender.cli.output import say
 from gemrender.cli.stones import assumptions
-from gemrender.cli.values import OptionError, complete_files, number_option
+from gemrender.cli.values import OptionError, complete_files, material_option, number_option
 from gemrender.errors import InputError
 
 if TYPE_CHECKING:
@@ -20,7 +20,6 @@ __all__ = [
     "GemOptions",
     "Setup",
     "Size",
-    "complete_materials",
     "complete_setups",
     "load_gems",
     "picture_size",
@@ -32,19 +31,12 @@ GEMS = "Stones"
 SIZE = "1024"
 
 
-def _materials() -> list[str]:
-    from gemrender.optics import material_names
-
-    return material_names()
-
-
 def _setups() -> list[str]:
     from gemrender.scene.setup import bundled_setups
 
     return bundled_setups()
 
 
-complete_materials = complete_files(_materials, (".toml",))
 complete_setups = complete_files(_setups, (".toml",))
 
 Setup = typer.Option(
@@ -78,11 +70,9 @@ class GemOptions:
     """What pictured stones are made of, and how large they are."""
 
     material: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME",
-            help="Material of all pictured stones (see: gemrender materials), or a material file.",
-            autocompletion=complete_materials,
+        Any,
+        material_option(
+            "Material of all stones (see: gemrender materials), a material file, or a refractive index.",
             rich_help_panel=GEMS,
         ),
     ] = None

@@ -15,6 +15,7 @@ from gemrender.cli.values import (
     choice_option,
     complete_files,
     complete_words,
+    material_option,
     number_option,
     whole_option,
 )
@@ -37,7 +38,9 @@ if TYPE_CHECKING:
 __all__ = [
     "AnyStones",
     "EngineOptions",
+    "MaterialOptions",
     "ModelOptions",
+    "OneStone",
     "Stones",
     "TableOptions",
     "ViewOptions",
@@ -65,11 +68,18 @@ def bundled_names() -> list[str]:
     return list(bundled_files(""))
 
 
-_complete_stones = complete_files(bundled_names, (".toml", ".csv"))
-_STONES_HELP = "Stone files, or names of bundled stones (see: gemrender stones), or tables of stones (.csv)."
+_complete_stones = complete_files(
+    bundled_names,
+    (".toml", ".csv", ".tsv", ".asc", ".gem", ".gcs", ".stl", ".obj", ".ply", ".glb", ".srn"),
+)
+_STONES_HELP = (
+    "Stone files (.toml, .csv, .asc, .gem, .gcs, .stl, .obj, .ply, .glb, .srn), names of bundled stones "
+    "(see: gemrender stones), or tables of stones (.csv)."
+)
 Stones = Annotated[
     list[str], typer.Argument(metavar="STONE", help=_STONES_HELP, autocompletion=_complete_stones)
 ]
+OneStone = Annotated[str, typer.Argument(metavar="STONE", help=_STONES_HELP, autocompletion=_complete_stones)]
 AnyStones = Annotated[
     list[str] | None, typer.Argument(metavar="STONE", help=_STONES_HELP, autocompletion=_complete_stones)
 ]
@@ -212,6 +222,20 @@ class ModelOptions:
     fresnel: Fresnel = None
     rear: Rear = None
     intensity: Intensity = "primary"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MaterialOptions:
+    """What the stones are made of."""
+
+    material: Annotated[
+        Any,
+        material_option(
+            "Material of all stones (see: gemrender materials), or its refractive index; by default what "
+            "their files say.",
+            rich_help_panel=MODEL,
+        ),
+    ] = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

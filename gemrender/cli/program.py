@@ -17,7 +17,9 @@ from typer.core import TyperGroup
 
 from gemrender.cli.about import doctor, materials, setups, stones
 from gemrender.cli.compare import compare
+from gemrender.cli.convert import convert
 from gemrender.cli.crosscheck import crosscheck
+from gemrender.cli.inspect import inspect
 from gemrender.cli.output import say
 from gemrender.cli.render import render
 from gemrender.cli.report import report
@@ -56,8 +58,8 @@ app = typer.Typer(
 )
 
 for _command in (
-    score, compare, sensitivity, show, report, render, symmetry, crosscheck, scene, stones, setups,
-    materials, doctor,
+    score, compare, sensitivity, show, report, render, symmetry, crosscheck, scene, convert, inspect,
+    stones, setups, materials, doctor,
 ):  # fmt: skip
     app.command()(_command)
 

@@ -7,6 +7,7 @@ from typing import Annotated
 from gemrender.cli.groups import command
 from gemrender.cli.options import (
     EngineOptions,
+    MaterialOptions,
     ModelOptions,
     Stones,
     ViewOptions,
@@ -24,6 +25,7 @@ __all__ = ["report"]
 def report(
     stones: Stones,
     engine: EngineOptions,
+    of: MaterialOptions,
     model: ModelOptions,
     view: ViewOptions,
     out: Annotated[str, output_option("The HTML file to write, or the folder for it.", "FILE")] = (
@@ -35,7 +37,7 @@ def report(
     from gemrender.report.page import check_number, check_target, write_report
 
     options = trace_options(engine, model, view)
-    loaded = load(stones, options)
+    loaded = load(stones, options, material=of.material)
     check_number(len(loaded))
     target = output_file(out, "report.html")
     check_target(target)

@@ -35,7 +35,7 @@ __all__ = ["scene"]
 
 #: Options of the scored scene, and those of a picture's.
 _OF_SCORES = ("resolution", "fresnel", "rear", "intensity", "tilt", "tilt_azimuth")
-_OF_PICTURES = ("stock", "material", "carat", "diameter", "size", "spp")
+_OF_PICTURES = ("stock", "carat", "diameter", "size", "spp")
 #: Stones that a picture's file is named after at most.
 _MOST_NAMED = 3
 
@@ -69,7 +69,7 @@ def scene(
             raise InputError(f"is for {which} --setup", key=f"--{key.replace('_', '-')}")
     if setup is None:
         engine = EngineOptions(variant=variant, resolution=resolution)
-        _scored(stones, out, trace_options(engine, model, view))
+        _scored(stones, out, trace_options(engine, model, view), gem.material)
         return
 
     from gemrender.scene.setup import load_setup
@@ -85,12 +85,12 @@ def _is_given(context: typer.Context, key: str) -> bool:
     return source is not None and source.name != "DEFAULT"
 
 
-def _scored(stones: list[str], out: str, options: dict[str, Any]) -> None:
+def _scored(stones: list[str], out: str, options: dict[str, Any], material: str | float | None) -> None:
     from gemrender.render.backend import ensure_variant
     from gemrender.report.files import check_folder, file_stems, prepare_folder
     from gemrender.scene.xml import write_scene
 
-    loaded = load(stones, options)
+    loaded = load(stones, options, material=material)
     check_folder(out)
     loaded.tell()
     ensure_variant(options["variant"])

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from gemrender.cli.groups import command
 from gemrender.cli.options import (
     EngineOptions,
+    MaterialOptions,
     ModelOptions,
     TableOptions,
     ViewOptions,
@@ -33,6 +34,7 @@ _MANY = 100
 def score(
     given: StoneOptions,
     engine: EngineOptions,
+    of: MaterialOptions,
     model: ModelOptions,
     view: ViewOptions,
     table: TableOptions,
@@ -43,7 +45,7 @@ def score(
 
     form = table.chosen
     options = trace_options(engine, model, view)
-    loaded = load(given.stones, options, given.settings)
+    loaded = load(given.stones, options, given.settings, of.material)
     prepare_engine(options, loaded.samples, out)
     started = time.monotonic()
     scored = _scores(loaded, options, out)

@@ -8,6 +8,7 @@ from gemrender.cli.groups import command
 from gemrender.cli.options import (
     ENGINE,
     EngineOptions,
+    MaterialOptions,
     ModelOptions,
     TableOptions,
     ViewOptions,
@@ -29,6 +30,7 @@ _DEFAULT_BOUND = 0.2
 @command
 def sensitivity(
     given: StoneOptions,
+    of: MaterialOptions,
     model: ModelOptions,
     view: ViewOptions,
     table: TableOptions,
@@ -56,7 +58,7 @@ def sensitivity(
     form = table.chosen
     wanted, notes = renamed("--bound", bound, "--derivative-bound", derivative_bound, _DEFAULT_BOUND)
     options = trace_options(EngineOptions(engine="exact", bound=wanted), model, view)
-    loaded = load(given.stones, options, given.settings)
+    loaded = load(given.stones, options, given.settings, of.material)
     for stone in loaded.stones:
         check_differentiable(stone)
     prepare_engine(options, loaded.samples, out)

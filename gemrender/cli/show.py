@@ -12,6 +12,7 @@ from gemrender.cli.groups import command
 from gemrender.cli.options import (
     OUTPUT,
     EngineOptions,
+    MaterialOptions,
     ModelOptions,
     Stones,
     output_option,
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 
 __all__ = ["show"]
 
-_WHATS = ("outline", "vertices", "shape", "triangles", "rays", "fan", "map", "facets")
+_DISPLAYS = ("outline", "vertices", "shape", "triangles", "rays", "fan", "map", "facets")
 _FORMATS = {
     "png": ("png",),
     "svg": ("svg",),
@@ -43,19 +44,20 @@ _FORMATS = {
 def show(
     stones: Stones,
     engine: EngineOptions,
+    of: MaterialOptions,
     model: ModelOptions,
-    what: Annotated[
+    chosen: Annotated[
         list[str] | None,
         choice_option(
-            "--what", (*_WHATS, "all"), "What to show; may be given several times.", metavar="DISPLAY"
+            "--what", (*_DISPLAYS, "all"), "What to show; may be given several times.", metavar="DISPLAY"
         ),
     ] = None,
     at: Annotated[
         list[str] | None,
         typer.Option(
             metavar="X,Y",
-            help="Point of the top view whose ray is shown, in girdle radii; may be given several times. "
-            "By default a bright, a weak and a rear ray.",
+            help="Point of the top view whose ray is shown, in girdle radii, or half lengths of a stone that "
+            "is not round; may be given several times. By default a bright, a weak and a rear ray.",
         ),
     ] = None,
     azimuth: Annotated[
@@ -88,8 +90,8 @@ def show(
 ) -> None:
     """Draw stones: outline, vertices, shape, triangles, rays, a fan, the map, virtual facets."""
     # Everything is checked before anything is drawn.
-    asked = what or ["all"]
-    shown = [name for name in _WHATS if name in asked or "all" in asked]
+    wanted = chosen or ["all"]
+    shown = [name for name in _DISPLAYS if name in wanted or "all" in wanted]
     points = _points(at)
     options = trace_options(engine, model)
 
@@ -97,14 +99,14 @@ def show(
     from gemrender.report.displays.rays import check_fan, check_points
     from gemrender.report.files import file_stems, prepare_folder
 
-    loaded = load(stones, options)
+    loaded = load(stones, options, material=of.material)
     if "rays" in shown and points is not None:
         for stone in loaded.stones:
             check_points(stone, points, view_and_model(stone, options)[1])
     check_fan(rays)
     if "map" in shown:
         prepare_engine(options, loaded.samples, out)
-    if "facets" in asked:
+    if "facets" in wanted:
         prepare_engine(options, loaded.samples, out, engine="exact")
     folder = prepare_folder(out)
     loaded.tell()
@@ -112,7 +114,7 @@ def show(
         (stone, stem, display)
         for stone, stem in zip(loaded.stones, file_stems(loaded.names), strict=True)
         for display in shown
-        if display != "facets" or "facets" in asked or _has_facets(stone, options)
+        if display != "facets" or "facets" in wanted or _has_facets(stone, options)
     ]
     drawn = {key: options[key] for key in ("engine", "variant", "resolution", "fresnel", "rear", "intensity")}
     with progress_bar(len(jobs)) as step:

@@ -95,6 +95,7 @@ class LoadedStones:
         for source, part in zip(self._sources, self._parts, strict=True):
             notes += [f"{source}: {words}" for words in part.notes]
             if len(part) == 1 and not part.notes:
+                notes += [f"{source}: {words}" for words in part[0].notes]  # what was mended
                 notes += assumptions(source, part[0])
         return notes
 
@@ -117,7 +118,10 @@ class LoadedStones:
 
 
 def load(
-    names: Sequence[str], options: dict[str, Any], settings: Sequence[str] | None = None
+    names: Sequence[str],
+    options: dict[str, Any],
+    settings: Sequence[str] | None = None,
+    material: str | float | None = None,
 ) -> LoadedStones:
     """Load all stones, and check the options for each, before any work begins.
 
@@ -129,6 +133,8 @@ def load(
         As of `trace_options`.
     settings : sequence of str, optional
         Settings that one stone is varied by, as "pavilion_angle=39:42:0.1".
+    material : str or float, optional
+        Material of all stones, or its refractive index, in place of what their files say.
     """
     from gemrender.cuts import load_stones, vary
     from gemrender.reading import told_at
@@ -147,6 +153,15 @@ def load(
             for i, name in enumerate(names):
                 parts.append(load_stones(name))
                 step(i, "loading")(1.0)
+    if material is not None:
+        from gemrender.cuts.stones import OfMaterial
+        from gemrender.optics.materials import refractive_index
+
+        try:
+            refractive_index(material)
+        except InputError as error:
+            raise InputError(error.allowed, key="material", value=material) from error
+        parts = [OfMaterial(part, material) for part in parts]
     loaded = LoadedStones(names, parts)
     loaded.check(options)
     return loaded

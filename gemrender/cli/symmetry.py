@@ -9,6 +9,7 @@ from gemrender.cli.groups import command
 from gemrender.cli.options import (
     TILT,
     EngineOptions,
+    MaterialOptions,
     ModelOptions,
     Resolution,
     TableOptions,
@@ -40,6 +41,7 @@ class StudyEngineOptions(EngineOptions):
 def symmetry(
     given: StoneOptions,
     engine: StudyEngineOptions,
+    of: MaterialOptions,
     model: ModelOptions,
     table: TableOptions,
     deviation: Annotated[
@@ -86,7 +88,7 @@ def symmetry(
         )
         deviation, tilt = tilt, None
     options = trace_options(engine, model, ViewOptions(tilt=tilt or 0.0, tilt_azimuth=tilt_azimuth))
-    loaded = load(given.stones, options, given.settings)
+    loaded = load(given.stones, options, given.settings, of.material)
     study: dict[str, Any] = {
         "tilt_deg": _DEFAULT_DEVIATION if deviation is None else deviation,
         "jitter": jitter,

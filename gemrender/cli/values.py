@@ -20,8 +20,10 @@ __all__ = [
     "OptionError",
     "choice_option",
     "complete_files",
+    "complete_materials",
     "complete_words",
     "listed",
+    "material_option",
     "number_option",
     "whole_option",
 ]
@@ -154,6 +156,35 @@ def _files(incomplete: str, suffixes: tuple[str, ...]) -> Iterator[str]:
             yield f"{shown}{entry.name}/"
         elif entry.suffix.lower() in suffixes:
             yield f"{shown}{entry.name}"
+
+
+def _materials() -> list[str]:
+    from gemrender.optics import material_names
+
+    return material_names()
+
+
+#: Completes a material's name, or its file.
+complete_materials: Completion = complete_files(_materials, (".toml",))
+
+
+def material_option(words: str, **settings: Any) -> Any:
+    """Return the option --material: a material's name or file, or a refractive index."""
+
+    def parse(text: str | float) -> str | float:
+        try:
+            return float(text)
+        except ValueError:
+            return text
+
+    return typer.Option(
+        "--material",
+        parser=parse,
+        metavar="NAME|INDEX",
+        help=words,
+        autocompletion=complete_materials,
+        **settings,
+    )
 
 
 def listed(word: str, allowed: Iterable[str]) -> str:

@@ -1,4 +1,4 @@
-"""Stone files: TOML with proportions, angles, a report or measured vertices; CSV of vertices or of stones.
+"""Stone files: TOML that describes a stone or names its file; CSV of vertices or stones; designs and meshes.
 
 Whatever is wrong with a file is told in one line: the file, the key, the value, and what is allowed.
 """
@@ -13,7 +13,12 @@ from typing import Any
 
 import numpy as np
 
+from gemrender.cuts.content import DESIGN_KINDS, SOLID_KINDS, kind_of_file
+from gemrender.cuts.families import families
+from gemrender.cuts.families.parameters import from_values
 from gemrender.cuts.laboratory import DEFAULTS, REPORT_KEYS, missing_parts, read_report
+from gemrender.cuts.load import load_design_file
+from gemrender.cuts.mesh_stone import check_up
 from gemrender.cuts.round_brilliant import stone_from_vertices
 from gemrender.cuts.round_brilliant.proportions import ANGLE_RANGES, RANGES, RoundBrilliant, checked_values
 from gemrender.cuts.round_brilliant.topology import N_VERTICES, VERTEX_LABELS
@@ -40,21 +45,23 @@ from gemrender.writing import write_whole
 
 __all__ = ["bundled_stones", "load_stone", "load_stones", "save_vertices"]
 
-#: Keys of each section. Of the first three keys of a file (vertices is no section) there is exactly one.
+#: Keys of each section. Of `_SHAPES`, some of which are no sections, a file has exactly one.
 _SECTIONS: dict[str, tuple[str, ...]] = {
     "proportions": (
         "table", "star", "lower_girdle_contact", "crown_height", "pavilion_depth", "girdle_thickness",
     ),
     "angles": ("table", "crown_angle", "pavilion_angle", "star", "lower_half", "girdle_thickness"),
     "report": REPORT_KEYS,
+    "mesh": ("file", "up"),
     "material": ("name", "index"),
 }  # fmt: skip
 #: What only reports state: [angles] with one of them is read as [report] is, as where it lacks the star.
 _OF_REPORTS = ("depth", "girdle", "culet", "shape")
-_SHAPES = ("proportions", "angles", "report", "vertices")
+_SHAPES = ("proportions", "angles", "report", "cut", "vertices", "design", "mesh")
 _TOP = ("name", *_SHAPES, "material")
 
 _COLUMNS = ("label", "x", "y", "z")
+_A_CSV = f"a CSV file with {N_VERTICES} rows {', '.join(_COLUMNS)}"
 _ROWS = "8 table corners, 8 star tips, 16 upper and 16 lower girdle vertices, 8 contacts, the culet"
 
 
@@ -65,7 +72,9 @@ def load_stone(stone: str | os.PathLike[str]) -> Stone:
     ----------
     stone : str or path-like
         A TOML stone file, a CSV file of 57 vertices (label, x, y, z, in any unit of length), a table of one
-        stone, or a name of `bundled_stones`. A file of that name wins over the bundled stone.
+        stone, a faceter's design (.asc, .gem, .gcs), a mesh (.stl, .obj, .ply, .glb), a scan (.srn), or a
+        name of `bundled_stones`. A file of that name wins over the bundled stone. What a file is, is told by
+        its content, then by what its name ends in.
 
     Returns
     -------
@@ -106,11 +115,14 @@ def load_stones(stones: str | os.PathLike[str]) -> Stones:
         As `load_stone`; of a table, the first bad row is told.
     """
     path = _find(os.fspath(stones))
-    suffix = path.suffix.lower()
-    if suffix == ".tsv" or (suffix == ".csv" and is_table(path)):
+    # A file that cannot be read is told by who reads it.
+    kind = kind_of_file(path) or path.suffix.lower().lstrip(".")
+    if kind == "tsv" or (kind == "csv" and is_table(path)):
         return open_table(path, missing=_no_such_file(path))
-    if suffix == ".csv":
+    if kind == "csv":
         return OneStone(_measured(path, name=stem(path, "stone")))
+    if kind in (*DESIGN_KINDS, *SOLID_KINDS):
+        return OneStone(load_design_file(path, missing=_no_such_file(path)))
     return OneStone(_from_toml(path))
 
 
@@ -182,15 +194,37 @@ def _from_toml(path: Path) -> Stone:
         if not given and any(key not in _TOP for key in top):  # one of them misspelt
             mistakes.refuse()
         if len(given) != 1:
-            allowed = "needs exactly one of [proportions], [angles], [report] and vertices"
-            raise InputError(f"{allowed}; has {' and '.join(given) or 'none'}")
+            raise InputError(
+                "needs exactly one of [proportions], [angles], [report], [cut], vertices, design and mesh; "
+                f"has {' and '.join(given) or 'none'}"
+            )
         shape = given[0]
-        if shape == "vertices":
-            vertices = _vertices_path(top["vertices"], path)
+        if shape == "cut":
+            cut = _cut(top["cut"])
+        elif shape == "vertices":
+            vertices = _named_file(top["vertices"], path, "vertices", _A_CSV)
+        elif shape == "design":
+            design = _named_file(top["design"], path, "design", _a_file(DESIGN_KINDS))
+        elif shape == "mesh":
+            mesh, up = _mesh(top, path, mistakes)
         else:
             proportions, assumed = _proportions(top, shape, mistakes)
+    if shape == "cut":
+        with told_at(source, shape):
+            made: Stone = cut.stone(name=str(name), material=material, source=source, description=shape)
+            return made
     if shape == "vertices":
         return _measured(vertices, name=str(name), material=material, toml=path)
+    if shape in ("design", "mesh"):
+        return load_design_file(
+            design if shape == "design" else mesh,
+            name=str(name),
+            material=material,
+            up=None if shape == "design" else up,
+            source=source,
+            kinds=DESIGN_KINDS if shape == "design" else SOLID_KINDS,
+            missing=f"no such file; named by {shape} in {path}",
+        )
     assert proportions is not None
     with told_at(source, shape):
         return Stone.from_proportions(
@@ -281,14 +315,41 @@ def _material(top: dict[str, Any], mistakes: Mistakes) -> str | float | None:
     return float(index)
 
 
-def _vertices_path(vertices: object, toml: Path) -> Path:
-    if not isinstance(vertices, str) or not vertices.strip():
-        raise InputError(
-            f"must be the name of a CSV file with {N_VERTICES} rows {', '.join(_COLUMNS)}",
-            key="vertices",
-            value=vertices,
-        )
-    return toml.parent / vertices
+def _mesh(top: dict[str, Any], toml: Path, mistakes: Mistakes) -> tuple[Path, str | None]:
+    """Return the mesh that a file names, by `mesh = "file.stl"` or in a section, and its way up."""
+    if not isinstance(top["mesh"], dict):
+        return _named_file(top["mesh"], toml, "mesh", _a_file(SOLID_KINDS) + ", or a section [mesh]"), None
+    values = section(top, "mesh", _SECTIONS["mesh"], _home, mistakes)
+    refuse_missing(values, ("file",), "mesh")
+    up = values.get("up")
+    check_up(up, "mesh.up")
+    return _named_file(values["file"], toml, "mesh.file", _a_file(SOLID_KINDS)), up
+
+
+def _cut(values: object) -> Any:
+    """Return the cut that [cut] describes: a family by its name, and its parameters."""
+    known = families()
+    allowed = ", ".join(f'"{name}"' for name in known)
+    with told_at(None, "cut"):
+        if not isinstance(values, dict) or "family" not in values:
+            raise InputError(f"missing; must be one of {allowed}", key="family")
+        family = values["family"]
+        name = " ".join(str(family).lower().replace("-", " ").replace("_", " ").split())
+        if name not in known:
+            raise InputError(
+                f"must be one of {allowed}{did_you_mean(name, list(known))}", key="family", value=family
+            )
+        return from_values(known[name], {key: value for key, value in values.items() if key != "family"})
+
+
+def _named_file(value: object, toml: Path, key: str, what: str) -> Path:
+    if not isinstance(value, str) or not value.strip():
+        raise InputError(f"must be the name of {what}", key=key, value=value)
+    return toml.parent / value
+
+
+def _a_file(kinds: tuple[str, ...]) -> str:
+    return "a file " + ", ".join(f".{kind}" for kind in kinds)
 
 
 # ---- CSV -----------------------------------------------------------------------------------------------

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Generic, TypeVar, overload
 
 from gemrender.stone import Stone
 
-__all__ = ["LONGEST_NAME", "Lazy", "OneStone", "Stones"]
+__all__ = ["LONGEST_NAME", "NO_MATERIAL", "Lazy", "OfMaterial", "OneStone", "Stones"]
 
+#: What ends the words for a material that was taken since a file has none.
+NO_MATERIAL = "(no material in the file)"
 #: Longest name of a stone [characters]: it has to fit into tables and file names.
 LONGEST_NAME = 100
 
@@ -102,3 +105,38 @@ class OneStone(Stones):
 
     def _stone(self, i: int) -> Stone:
         return self._only
+
+
+class OfMaterial(Stones):
+    """The same stones, all of one material.
+
+    Parameters
+    ----------
+    stones : Stones
+        The stones.
+    material : str or float
+        Name of their material, or its refractive index.
+    """
+
+    def __init__(self, stones: Stones, material: str | float) -> None:
+        self._stones, self._material = stones, material
+        self.notes = stones.notes
+
+    @property
+    def settings(self) -> Sequence[dict[str, float | str]]:
+        """As of the stones themselves."""
+        return self._stones.settings
+
+    @property
+    def materials(self) -> dict[str | float | None, str]:
+        """The one material."""
+        first = self._stones[0]
+        return {self._material: first.source or first.name}
+
+    def __len__(self) -> int:
+        return len(self._stones)
+
+    def _stone(self, i: int) -> Stone:
+        stone = self._stones[i]
+        assumed = tuple(words for words in stone.assumed if not words.endswith(NO_MATERIAL))
+        return replace(stone, material=self._material, assumed=assumed)

@@ -12,7 +12,6 @@ from gemrender.stone.facets import PAVILION
 __all__ = [
     "BANDS",
     "BAND_EDGES",
-    "GROUND",
     "INTENSITY",
     "LOST",
     "MET",
@@ -32,15 +31,11 @@ INTENSITY, REAR, TRAPPED, LOST, BANDS, MET, N_SUMS = 0, 1, 2, 3, 4, 10, 11
 #: Lower edges of the bands of intensity but the last, brightest first, as shares of the light.
 BAND_EDGES = (0.75, 0.60, 0.45, 0.30, 0.15)
 
-#: z <= 0 within rounding [stone's unit]: what comes in through a level facet at z = 0 itself, such as a flat
-#: base, is not below the girdle, however its height is rounded.
-GROUND = -1e-10
-
 
 def rear_mask(paths: Paths, model: Model) -> np.ndarray:
     """Tell rear light, (n,) bool: by where it came in, through which facet, or from where."""
     if model.rear == "position":
-        rear = paths.exit_point[:, 2].real <= GROUND
+        rear = paths.exit_point[:, 2].real <= model.ground
     elif model.rear == "facet":
         is_pavilion = np.array([side == PAVILION for side in paths.stone.facet_sides])
         rear = is_pavilion[paths.exit_facet]

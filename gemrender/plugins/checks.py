@@ -12,11 +12,12 @@ import numpy as np
 
 from gemrender.errors import GemrenderWarning, InputError
 from gemrender.scene.contact import faces_touch
+from gemrender.scene.convex import fits
 from gemrender.scene.inside import overlap, reaches_into
-from gemrender.scene.mesh import FACET_ATTRIBUTE, NORMAL_ATTRIBUTES, OFFSET_ATTRIBUTES
-from gemrender.scene.shapes import StoneShape, name_of, surface_points
+from gemrender.scene.mesh import FACET_ATTRIBUTE, carried_planes, mesh_solid
+from gemrender.scene.shapes import StoneShape, mesh_buffers, name_of, surface_points
 
-__all__ = ["RAY_OFFSET", "SceneCheck", "is_stone", "require_facets"]
+__all__ = ["RAY_OFFSET", "FacetCheck", "SceneCheck", "is_stone"]
 
 #: How far a ray starts from the facet it leaves [radius of the largest stone]: more than single precision's
 #: rounding, far less than a facet. Mitsuba's own offset loses one path in a few thousand at edges.
@@ -27,6 +28,8 @@ _TOUCHING = 1e-5
 _SUNK = 1e-3
 #: How many of them are named.
 _TOLD = 5
+#: How far a vertex of a round girdle may be from its cylinder [girdle radius]: on the chords it is cut into.
+_BESIDE = 1e-5
 #: A camera's rays are looked at in a grid of so many by so many.
 _RAYS = 9
 #: How many cameras are remembered.
@@ -87,24 +90,64 @@ class SceneCheck:
         self._cameras = [*self._cameras[-_CAMERAS:], state]
 
 
-def require_facets(scene: mi.Scene) -> None:
-    """Check that the stones of a scene have facets and planes, as `gem_primary` needs them.
+class FacetCheck:
+    """Checks that stones have facets and planes, as `gem_primary` needs them, and remembers that it has."""
 
-    Raises
-    ------
-    InputError
-        A shape with a dielectric surface has none, or no shape has.
-    """
-    names = (FACET_ATTRIBUTE, *NORMAL_ATTRIBUTES, *OFFSET_ATTRIBUTES)
-    shapes = [shape for shape in scene.shapes() if not shape.is_emitter()]
-    lacking = [s for s in shapes if not s.is_mesh() or not all(np.all(s.has_attribute(n)) for n in names)]
+    def __init__(self) -> None:
+        self._seen: list[Any] | None = None
+        self._hides = False
+
+    def hides(self, scene: mi.Scene) -> bool:
+        """Return whether something can hide the light from a ray that has left the stone.
+
+        That is a second shape, or the stone itself where it is not convex.
+
+        Raises
+        ------
+        InputError
+            A shape with a dielectric surface has no planes, or such that do not fit, or no shape has any.
+        """
+        shapes = scene.shapes()
+        state = [_state(shape) for shape in shapes]
+        if self._seen is None or not _same(self._seen, state):
+            self._seen = None
+            self._hides = _require_facets(shapes)
+            self._seen = state
+        return self._hides
+
+
+def _require_facets(shapes: list[mi.Shape]) -> bool:
+    lacking, carrying = [], []
+    for shape in shapes:
+        if shape.is_emitter():
+            continue
+        planes = carried_planes(shape)
+        if planes is None or not np.all(shape.has_attribute(FACET_ATTRIBUTE)):
+            lacking.append(shape)
+            continue
+        carrying.append(shape)
+        positions, faces, _ = mesh_buffers(shape)
+        if not _is_in_place(positions, faces, planes):
+            raise InputError(
+                "must stand where its planes do; it has been moved since they were written",
+                key="stone",
+                value=name_of(shape),
+            )
     stones = [s for s in lacking if mi.has_flag(s.bsdf().flags(), mi.BSDFFlags.DeltaTransmission)]
-    if stones or (lacking and len(lacking) == len(shapes)):
+    if stones or (lacking and not carrying):
         raise InputError(
             "must be a mesh with facets and their planes, as gemrender scene writes it",
             key="stone",
             value=name_of((stones or lacking)[0]),
         )
+    return len(shapes) > 1 or any(mesh_solid(shape) is None for shape in carrying)
+
+
+def _is_in_place(positions: np.ndarray, faces: np.ndarray, planes: np.ndarray) -> bool:
+    """Return whether a mesh fits its planes, and its girdle the upright cylinder about the z axis."""
+    wall = ~planes[:, :3].any(axis=1)
+    beside = np.linalg.norm(positions[faces[wall], :2], axis=2) - planes[wall, 3:]
+    return fits(positions, faces, planes) and bool((np.abs(beside) <= _BESIDE).all())
 
 
 # ---- What is compared ----------------------------------------------------------------------------------

@@ -10,6 +10,7 @@ import mitsuba as mi
 
 from gemrender.errors import InputError
 from gemrender.observation import (
+    GROUND,
     INTENSITIES,
     LIGHT_LEVEL,
     MAP_CHANNELS,
@@ -26,7 +27,7 @@ from gemrender.optics.fresnel import (
     GUBELIN_REFLECTED,
     LEAST_TOTAL,
 )
-from gemrender.plugins.checks import require_facets
+from gemrender.plugins.checks import FacetCheck
 from gemrender.plugins.properties import choice, number, whole_number
 from gemrender.scene.mesh import FACET_ATTRIBUTE, NORMAL_ATTRIBUTES, OFFSET_ATTRIBUTES
 from gemrender.stone.facets import LEVEL
@@ -87,6 +88,11 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
          below the horizon (``direction``). (Default: ``position``)
        -
 
+     * - ground
+       - |float|
+       - Height of the girdle's lower edge, for ``position``: z = 0, within rounding. (Default: 1e-10)
+       -
+
      * - intensity
        - |string|
        - ``primary``, the paper's intensity per unit cross-section of the beam, or ``radiance``, without
@@ -109,9 +115,10 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
       which direction the ray followed back leaves the stone,
     - ``entry.facet``, ``exit.facet`` (-1 for none), ``path.code``, a 24-bit code of the facet sequence.
 
-    The stone is a mesh in its own frame (girdle radius 1 about the origin, table up), with vertex normals
-    and facets and planes as face attributes; ``gemrender scene`` writes it, others are refused. Positions and
-    directions are in double precision. With more samples than one a pixel, AOVs are averages.
+    The stone is a mesh in its own frame (table up, about the origin; round girdles of radius 1), convex or
+    not, with facets and planes as face attributes; ``gemrender scene`` writes it, others are refused, and so
+    are those that have been moved since. Positions and directions are in double precision. With more samples
+    than one a pixel, AOVs are averages.
 
     .. tabs::
         .. code-tab:: xml
@@ -134,10 +141,12 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         super().__init__(props)
         self.fresnel = choice(props, "fresnel", FRESNEL_LAWS)
         self.rear = choice(props, "rear", REAR_RULES)
+        self.ground = number(props, "ground", GROUND)
         self.intensity = choice(props, "intensity", INTENSITIES)
         self.int_ior = mi.Float64(number(props, "int_ior", GUBELIN_INDEX))
         self.ext_ior = mi.Float64(number(props, "ext_ior", 1.0))
         self.max_reflections = mi.UInt32(whole_number(props, "max_reflections", MOST_REFLECTIONS, least=1))
+        self.facet_check = FacetCheck()
         self.table_angles = mi.Float(GUBELIN_ANGLES_DEG)
         self.table_reflected = mi.Float(GUBELIN_REFLECTED)
         self._update()
@@ -181,9 +190,19 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         active: mi.Bool = True,
     ) -> tuple[mi.Spectrum, mi.Bool, list[mi.Float]]:
         """Follow one ray; see the class."""
-        require_facets(scene)
+        hides = self.facet_check.hides(scene)
         with dr.suspend_grad():
-            return self._measure(scene, ray, self._follow(scene, mi.Ray3f(ray), mi.Bool(active)))
+            path = self._follow(scene, mi.Ray3f(ray), mi.Bool(active))
+            transmitted, aovs = self._measure(path)
+            exited = path.status == int(RayStatus.EXITED)
+            light = self._light(scene, ray, path.point, path.direction, exited, hides)
+            return dr.select(exited, mi.Spectrum(mi.Float(transmitted)) * light, 0), path.hit, aovs
+
+    def measure(self, scene: mi.Scene, ray: mi.RayDifferential3f) -> list[mi.Float]:
+        """Return the AOVs alone, which are the same whatever light there is."""
+        self.facet_check.hides(scene)
+        with dr.suspend_grad():
+            return self._measure(self._follow(scene, mi.Ray3f(ray), mi.Bool(True)))[1]
 
     def to_string(self) -> str:
         """Describe the integrator in Mitsuba's manner."""
@@ -199,7 +218,7 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
 
         # ---- Into the stone: refraction at the first surface ----
 
-        si = scene.ray_intersect(ray, active)
+        si = _first_hit(scene, ray, active)
         hit = active & si.is_valid()
         entry_facet, n, offset = _surface(si, hit)
         on_wall = _is_wall(n)
@@ -299,24 +318,20 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
             rise=rise,
         )
 
-    def _measure(
-        self, scene: mi.Scene, ray: mi.Ray3f, path: _Path
-    ) -> tuple[mi.Spectrum, mi.Bool, list[mi.Float]]:
-        """Return the radiance along the path, whether the stone was hit, and the AOVs."""
+    def _measure(self, path: _Path) -> tuple[mi.Float64, list[mi.Float]]:
+        """Return the share of the light that the path transmits, and the AOVs."""
         exited = path.status == int(RayStatus.EXITED)
         p, d = path.point, path.direction
         if self.rear == "facet":
             rear = exited & (path.rise < -LEVEL)
         else:
-            rear = exited & ((p.z if self.rear == "position" else d.z) <= 0)
+            rear = exited & (p.z <= self.ground if self.rear == "position" else d.z <= 0)
         transmitted = self._transmittance(*path.eye_side) * self._transmittance(*path.light_side)
         intensity = LIGHT_LEVEL * transmitted
         if self.intensity == "primary":
             # S1/S2 at both crossings, as the light travels (the paper's section 2.2)
             (air_eye, stone_eye), (air_light, stone_light) = path.eye_side, path.light_side
             intensity *= (air_light / stone_light) * (stone_eye / air_eye)
-        radiance = mi.Spectrum(mi.Float(transmitted)) * self._light(scene, ray, p, d, exited)
-
         p, d = dr.select(exited, p, 0), dr.select(exited, d, 0)
         aovs = [
             mi.Float(dr.select(exited & ~rear, intensity, 0)),
@@ -329,7 +344,7 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
             path.exit_facet,
             mi.Float(path.code),
         ]
-        return dr.select(exited, radiance, 0), path.hit, aovs
+        return transmitted, aovs
 
     def _transmittance(self, cos_air: mi.Float64, cos_stone: mi.Float64) -> mi.Float64:
         """Return the transmitted share at one crossing, from both of its angles."""
@@ -349,13 +364,19 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         return mi.Float64(1 - (r0 + (r1 - r0) * (angle - a0) / (a1 - a0)))
 
     def _light(
-        self, scene: mi.Scene, ray: mi.Ray3f, p: mi.Point3d, d: mi.Vector3d, active: mi.Bool
+        self,
+        scene: mi.Scene,
+        ray: mi.Ray3f,
+        p: mi.Point3d,
+        d: mi.Vector3d,
+        active: mi.Bool,
+        hides: bool,
     ) -> mi.Spectrum:
         """Radiance that arrives from outside along the ray that left the stone."""
         outside = mi.Ray3f(mi.Point3f(p), mi.Vector3f(d), ray.time, ray.wavelengths)
         environment = scene.environment()
-        if environment is not None and len(scene.shapes()) == 1:
-            si = dr.zeros(mi.SurfaceInteraction3f)  # only the stone is there: nothing stands in the way
+        if environment is not None and not hides:
+            si = dr.zeros(mi.SurfaceInteraction3f)
             si.wi = -outside.d
             si.wavelengths = ray.wavelengths
             return environment.eval(si, active)
@@ -382,6 +403,22 @@ class _Path:
 
 
 # ---- Queries ----
+
+
+def _first_hit(scene: mi.Scene, ray: mi.Ray3f, active: mi.Bool) -> mi.SurfaceInteraction3f:
+    """Return where rays from outside meet the stone.
+
+    The ray tracer may miss both faces beside an edge that a ray meets exactly, as whole rows of pixels do,
+    and find the stone's far side or nothing: where rays a little to either side do not, one of them counts.
+    """
+    si = scene.ray_intersect(ray, active)
+    missed = active & (~si.is_valid() | (dr.dot(si.n, ray.d) >= 0))
+    aside = ASIDE * mi.Frame3f(ray.d).s
+    left, right = (mi.Ray3f(ray.o + side, ray.d, ray.time, ray.wavelengths) for side in (aside, -aside))
+    beside = scene.ray_intersect(left, missed)
+    leaks = missed & beside.is_valid()
+    leaks &= scene.ray_intersect(right, leaks).is_valid()
+    return dr.select(leaks, beside, si)
 
 
 def _query_start(p: mi.Point3d, d: mi.Vector3d, on_wall: mi.Bool, retries: mi.UInt32) -> mi.Point3f:

@@ -13,8 +13,12 @@ from gemrender.scene.shapes import FLAT
 
 __all__ = ["RAY_OFFSET", "Stones", "reflectance", "refracted"]
 
-#: Planes of so many stones at most are compiled one beside the other; of more they are looked up by number.
-_MOST_COMPILED = 4
+#: Numbers of planes that kernels are compiled for; a stone with fewer has the rest of no effect, so that
+#: another stone seldom needs another kernel. On two cores Embree takes as long as some 450 planes.
+PLANE_CLASSES = (32, 64, 96, 128, 192, 256, 384)
+#: Planes of all stones together that are compiled, one stone beside the other; where there are more, Embree
+#: is asked. Eight stones of 64 planes take a third of its time.
+_MOST_COMPILED = 512
 
 
 class Stones:
@@ -74,9 +78,8 @@ class Stones:
         self.size = dr.opaque(mi.Float, max(radii, default=1.0))
         #: Whether a ray that leaves a stone can meet only the sky.
         self.alone = len(shapes) == len(stones) == 1 and solids[0] is not None
-        self.solids = None if any(solid is None for solid in solids) else [s for s in solids if s]
-        if self.solids:
-            self._tabulate(self.solids)
+        #: Whether the next facet is found by planes, of all stones; else Embree is asked.
+        self.by_planes = self._compile([solid for solid in solids if solid is not None], len(solids))
         self.any_turned = any(stone.facing is not None for stone in checked)
         if self.any_turned:
             # Row 0 stands for all faces that look outwards as they are
@@ -204,7 +207,7 @@ class Stones:
         self, stone: mi.UInt32, p: mi.Point3f, d: mi.Vector3f, active: mi.Bool
     ) -> tuple[mi.Float, mi.Vector3f, mi.Bool]:
         """Return how far a ray inside a stone goes, the outward normal there, and whether it met anything."""
-        if self.solids is None:
+        if not self.by_planes:
             si = self.scene.ray_intersect(mi.Ray3f(p, d), mi.RayFlags.ShadingFrame, False, active)
             n = (
                 self.outward(si, self.of(si, active), active)
@@ -212,12 +215,12 @@ class Stones:
                 else mi.Vector3f(si.sh_frame.n)
             )
             return si.t, n, si.is_valid() & (dr.dot(n, d) > 0)
-        t, n = (self._nearest_compiled if self.compiled else self._nearest_looked_up)(stone, p, d)
+        t, n = self._nearest_plane(stone, p, d)
         return t, n, t < _NOTHING
 
     def inwards(self, p: mi.Point3f, n: mi.Vector3f) -> mi.Point3f:
         """Return where the next query starts, for a point on the surface."""
-        return p if self.solids is not None else mi.Point3f(p - RAY_OFFSET * self.size * n)
+        return p if self.by_planes else mi.Point3f(p - RAY_OFFSET * self.size * n)
 
     def outside(self, ray: mi.Ray3f, active: mi.Bool) -> tuple[mi.Bool, mi.Spectrum]:
         """Look along a ray that has left a stone.
@@ -237,29 +240,25 @@ class Stones:
         radiance = si.emitter(self.scene, active).eval(si, active)
         return active & si.is_valid() & ~si.shape.is_emitter(), radiance
 
-    def _tabulate(self, solids: list[ConvexSolid]) -> None:
-        most = max(len(solid.planes) for solid in solids)
-        planes = np.zeros((len(solids), most, 4), dtype=np.float32)  # no ray runs towards the zeros
-        cylinders = np.zeros((len(solids), 7), dtype=np.float32)
+    def _compile(self, solids: list[ConvexSolid], n_stones: int) -> bool:
+        """Put the planes of all stones into the kernel, as numbers that it reads once, if they are few."""
+        most = max((len(solid.planes) for solid in solids), default=0)
+        padded = next((n for n in PLANE_CLASSES if n >= most), None)
+        if not solids or len(solids) < n_stones or padded is None or n_stones * padded > _MOST_COMPILED:
+            return False
+        planes = np.zeros((n_stones, padded, 4))  # no ray runs towards the zeros
+        cylinders = np.zeros((n_stones, 7))
         cylinders[:, 2], cylinders[:, 6] = 1, -1  # no cylinder: radius -1
         for k, solid in enumerate(solids):
             planes[k, : len(solid.planes)] = solid.planes
             if solid.cylinder is not None:
                 cylinders[k] = solid.cylinder
-        self.any_round = any(solid.cylinder is not None for solid in solids)
-        self.compiled = len(solids) <= _MOST_COMPILED
-        if self.compiled:
-            self.planes = [[[_opaque(x) for x in row] for row in of_stone] for of_stone in planes]
-            self.cylinders = [[_opaque(x) for x in row] for row in cylinders]
-        else:
-            self.n_planes = mi.UInt32(most)
-            self.plane_table = mi.Float(planes.ravel())
-            self.cylinder_table = mi.Float(cylinders.ravel())
+        self.planes = [[[_opaque(x) for x in row] for row in of_stone] for of_stone in planes]
+        self.cylinders = [[_opaque(x) for x in row] for row in cylinders]
+        return True
 
-    def _nearest_compiled(
-        self, stone: mi.UInt32, p: mi.Point3f, d: mi.Vector3f
-    ) -> tuple[mi.Float, mi.Vector3f]:
-        """Find the nearest plane ahead with all planes in the kernel: numbers that it reads once."""
+    def _nearest_plane(self, stone: mi.UInt32, p: mi.Point3f, d: mi.Vector3f) -> tuple[mi.Float, mi.Vector3f]:
+        """Return how far the surface is that a ray leaves a convex stone through, and its outward normal."""
         others = [stone == k + 1 for k in range(1, len(self.planes))]
 
         def of(values: list[list[mi.Float]]) -> list[mi.Float]:
@@ -277,30 +276,7 @@ class Stones:
             nearer = (along > 0) & (t_plane < t)
             t = dr.select(nearer, t_plane, t)
             n = dr.select(nearer, mi.Vector3f(a, b, c), n)
-        if not self.any_round:
-            return t, n
         return _nearer_cylinder(of(self.cylinders), p, d, t, n)
-
-    @dr.syntax
-    def _nearest_looked_up(self, stone, p, d):  # type: ignore[no-untyped-def]  # dr.syntax
-        """Find the nearest plane ahead by a loop over a table."""
-        t, n = mi.Float(_NOTHING), mi.Vector3f(0, 0, 1)
-        first = (dr.maximum(stone, 1) - 1) * self.n_planes
-        k = mi.UInt32(0)
-        while dr.hint(k < self.n_planes, label="gem_path: planes"):
-            plane = dr.gather(mi.Vector4f, self.plane_table, first + k)
-            along = dr.fma(plane.x, d.x, dr.fma(plane.y, d.y, plane.z * d.z))
-            gap = plane.w - dr.fma(plane.x, p.x, dr.fma(plane.y, p.y, plane.z * p.z))
-            t_plane = gap / along
-            nearer = (along > 0) & (t_plane < t)
-            t = dr.select(nearer, t_plane, t)
-            n = dr.select(nearer, mi.Vector3f(plane.x, plane.y, plane.z), n)
-            k += 1
-        if dr.hint(not self.any_round, mode="scalar"):
-            return t, n
-        row = (dr.maximum(stone, 1) - 1) * 7
-        cylinder = [dr.gather(mi.Float, self.cylinder_table, row + i) for i in range(7)]
-        return _nearer_cylinder(cylinder, p, d, t, n)
 
 
 #: No surface is as far [scene unit].

@@ -148,7 +148,7 @@ def trace(
         if model.rear == "facet":
             rear = normal[exits, 2] < -LEVEL
         else:
-            rear = (o[exits, 2] if model.rear == "position" else d_out[:, 2]) <= 0.0
+            rear = o[exits, 2] <= model.ground if model.rear == "position" else d_out[:, 2] <= 0.0
         record.rear_mask[out] = rear
         record.primary_intensity[out] = np.where(rear, 0.0, LIGHT_LEVEL * entering * leaving[exits])
 

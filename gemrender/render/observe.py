@@ -100,12 +100,12 @@ def sensor_rays(view: View, *, variant: str) -> tuple[np.ndarray, np.ndarray]:
 def follow(scene: Any, ray: Any) -> dict[str, np.ndarray]:
     """Follow rays by the scene's integrator; return its channels, each (n,).
 
-    The integrator is called as `mi.render` calls it. The film itself is left out: with one sample a pixel
-    it would only copy, and that costs half as much as the rays.
+    Neither light nor film is asked: with one sample a pixel the film would only copy, and that costs half as
+    much as the rays.
     """
     import drjit as dr
 
-    _, _, aovs = scene.integrator().sample(scene, None, ray)
+    aovs = scene.integrator().measure(scene, ray)
     dr.eval(aovs)
     names = scene.integrator().aov_names()
     return {name: np.asarray(values) for name, values in zip(names, aovs, strict=True)}

@@ -18,12 +18,12 @@ from gemrender.render.passes import Passes
 from gemrender.scene.loading import load_scene
 from gemrender.scene.photoreal import Gem, photoreal_scene
 from gemrender.scene.setup import Setup
-from gemrender.stone import Stone, tessellate
+from gemrender.stone import Stone
 
 __all__ = ["DEFAULT_VARIANT", "Foreground", "Picture", "make_gems", "render", "require_denoiser"]
 
 DEFAULT_VARIANT = "llvm_ad_spectral"
-#: Girdle diameter where neither carat nor millimetres are given [mm]: about 1 carat of diamond.
+#: Diameter where neither carat nor millimetres are given [mm]: of round diamonds about 1 carat.
 DEFAULT_DIAMETER_MM = 6.5
 #: Radius of the tent that pixels are filtered by [pixel].
 FILTER_RADIUS = 1.0
@@ -105,7 +105,7 @@ class Picture:
 def make_gems(
     stones: Sequence[Stone],
     *,
-    material: str | None = None,
+    material: str | float | None = None,
     carat: float | None = None,
     diameter_mm: float | None = None,
 ) -> list[Gem]:
@@ -115,10 +115,11 @@ def make_gems(
     ----------
     stones : sequence of Stone
         The stones.
-    material : str, optional
-        Name or file of the material of all; by default each stone's own.
+    material : str or float, optional
+        Name or file of the material of all, or its refractive index; by default each stone's own.
     carat, diameter_mm : float, optional
-        Weight of each stone [carat], or its girdle diameter [mm]; not both.
+        Weight of each stone [carat], or its girdle diameter [mm], of stones that are not round the length of
+        the outline's longer side; not both.
 
     Raises
     ------
@@ -148,7 +149,7 @@ def make_gems(
                 raise InputError(
                     "needs the material's density, which its file does not give", key="carat", value=carat
                 )
-            diameter = carat_to_girdle_diameter_mm(carat, _volume(stone), of_stone.density)
+            diameter = carat_to_girdle_diameter_mm(carat, stone.solid.volume, of_stone.density)
         gems.append(Gem(stone=stone, material=of_stone, material_name=name, diameter_mm=diameter))
     return gems
 
@@ -366,10 +367,3 @@ def _check_ends(spp: int | None, noise: float | None, time_limit: float | None, 
         raise InputError("must be above 0 [s]", key="time", value=time_limit)
     if not 0 <= seed < 1 << 30:
         raise InputError(f"must be from 0 to {(1 << 30) - 1}", key="seed", value=seed)
-
-
-def _volume(stone: Stone) -> float:
-    """Volume of a stone [girdle radius^3], by Gauss's theorem over its mesh."""
-    mesh = tessellate(stone)
-    a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
-    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)

@@ -178,18 +178,22 @@ def _draw_bars(
 def difference_figure(first: Observation, second: Observation) -> Figure:
     """Draw where the first stone sends more light to the eye than the second, and where less.
 
+    The maps lie on each other by their middles, half a length on a half length or a girdle radius. One that
+    is of another width is sampled at the nearest pixels of the other.
+
     Raises
     ------
     ValueError
-        The maps differ in size or view.
+        The maps are of different directions of the eye.
     """
     from matplotlib.figure import Figure
 
-    if first.view.shape != second.view.shape or first.view.tilt_deg != second.view.tilt_deg:
+    if _direction(first) != _direction(second):
         raise ValueError("the maps are of different views")
     a, b = score_observation(first), score_observation(second)
-    difference = first.primary_intensity.astype(np.float64) - second.primary_intensity
-    outside = (first.status == RayStatus.MISSED) | (second.status == RayStatus.MISSED)
+    intensities, statuses = _on_one_grid(first, second)
+    difference = intensities[0].astype(np.float64) - intensities[1]
+    outside = (statuses[0] == RayStatus.MISSED) | (statuses[1] == RayStatus.MISSED)
     figure = Figure(figsize=(8.2, 6.6), dpi=130)
     axes: Axes = figure.add_axes((0.03, 0.04, 0.76, 0.82))
     image = axes.imshow(
@@ -215,6 +219,35 @@ def difference_figure(first: Observation, second: Observation) -> Figure:
     text = f"Average {a.average - b.average:+.2f} %    Rear {a.rear - b.rear:+.2f} %".replace("-", "−")
     figure.text(0.035, 0.895, text, fontsize=11.5, color=_GREY)
     return figure
+
+
+def _direction(observation: Observation) -> tuple[float, float]:
+    """Return the eye's tilt and its azimuth [deg]; straight above there is no azimuth."""
+    view = observation.view
+    return view.tilt_deg, view.tilt_azimuth_deg % 360.0 if view.tilt_deg else 0.0
+
+
+def _on_one_grid(
+    first: Observation, second: Observation
+) -> tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]:
+    """Return the intensities and the statuses of two maps, pixel by pixel of the wider of both views."""
+    maps = [(o.primary_intensity, o.status) for o in (first, second)]
+    views = [first.view, second.view]
+    wide = max(views, key=lambda view: (view.half_width, view.resolution))
+    x, y = wide.cell_centres()
+    for k, view in enumerate(views):
+        if (view.half_width, view.resolution) == (wide.half_width, wide.resolution):
+            continue
+        column, row = (
+            np.floor((along + view.half_width) / (2 * view.half_width) * view.resolution).astype(np.int64)
+            for along in (x, -y)
+        )
+        inside = [(index >= 0) & (index < view.resolution) for index in (row, column)]
+        row, column = (np.clip(index, 0, view.resolution - 1) for index in (row, column))
+        intensity, status = (array[np.ix_(row, column)] for array in maps[k])
+        maps[k] = intensity, np.where(np.logical_and.outer(*inside), status, RayStatus.MISSED)
+    (a, a_status), (b, b_status) = maps
+    return (a, b), (a_status, b_status)
 
 
 def write_comparison(panels: Sequence[Panel], pair: Sequence[Observation], folder: Path) -> list[Path]:

@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gemrender.cuts.round_brilliant.topology import FACET_KINDS
 from gemrender.engines import DEFAULT_BOUND, DEFAULT_TIME_LIMIT, require_engine
 from gemrender.errors import InputError
 from gemrender.observation import Model, View, bound_text
+from gemrender.report.dimensions import length_unit
 from gemrender.report.displays.page import PAPER, Page
 from gemrender.report.displays.projection import Projection, look_at
-from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR
+from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR, draw_scales
+from gemrender.report.palettes import exit_colours
 from gemrender.report.tables import LEAST_SHOWN, band_name, how_text, model_text
 from gemrender.scoring import BAND_EDGES, FacetSizes, Score, score_measurement
 from gemrender.stone import Stone
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 
     from gemrender.beam import VirtualFacets
 
-__all__ = ["COLOURS", "EXIT_COLOURS", "GIRDLE_COLOUR", "REFLECTION_COLOURS", "check_colour", "facets_figure"]
+__all__ = ["COLOURS", "GIRDLE_COLOUR", "REFLECTION_COLOURS", "check_colour", "facets_figure"]
 
 #: What the colours may tell.
 COLOURS = ("intensity", "reflections", "facet")
@@ -38,25 +39,6 @@ _GROUPS = (0, 1, 2, 3, 4, 5, 6, 11, 21)
 REFLECTION_COLOURS = (
     "#fcfdbf", "#feca8d", "#fd9467", "#f05f5e", "#ca3e72", "#9c2e7f", "#6e1e81", "#400f74", "#140e36",
 )  # fmt: skip
-#: Facets by kind, and darker where their light is rear light. The hues are those of the pale tints of other
-#: displays; all of them differ by 10 and more (CIEDE2000) for eyes with and without colour blindness, as
-#: Machado et al. (2009) simulate it.
-EXIT_COLOURS = {
-    "table": ("#ecd356", "#635108"),
-    "star": ("#64bdf8", "#123650"),
-    "bezel": ("#de5f26", "#4d2414"),
-    "upper_girdle": ("#2f8f74", "#0f5f4a"),
-    "lower_girdle": ("#6a6ad9", "#0a0a4d"),
-    "pavilion_main": ("#a868a2", "#96208c"),
-}
-_KIND_NAMES = {
-    "table": "Table",
-    "star": "Stars",
-    "bezel": "Bezel mains",
-    "upper_girdle": "Upper girdle",
-    "lower_girdle": "Lower girdle",
-    "pavilion_main": "Pavilion mains",
-}
 #: Light near the curved girdle, which no polygon tells: a tint that no scale has, hatched.
 GIRDLE_COLOUR = "#d4d4d4"
 _HATCHED = {"facecolor": GIRDLE_COLOUR, "edgecolor": "#9a9a9a", "hatch": "//////", "linewidth": 0.0}
@@ -179,10 +161,12 @@ def facets_figure(
     scale = _MAP / (2 * view.half_width)
     axes = page.view(_LEFT, _BOTTOM, _MAP, _MAP, scale=scale, centre=(0.0, 0.0))
     _draw_facets(axes, facets, classes, scale)
-    _draw_scales(axes, tilted=view.tilt_deg != 0)
+    draw_scales(axes, length_unit(stone), tilted=view.tilt_deg != 0, font_size=12)
     panel = page.axes(_LEFT + _MAP + _GAP, _PANEL_BOTTOM, _PANEL, _BOTTOM + _MAP - _PANEL_BOTTOM)
     shares = 100.0 * facets.area[classes.drawn] / measured.area
-    _draw_panel(panel, result, _told(colour, model), _rows(classes, shares, result, bool(facets.left_over)))
+    _draw_panel(
+        panel, result, _quantity(colour, model), _rows(classes, shares, result, bool(facets.left_over))
+    )
     return page.figure
 
 
@@ -208,11 +192,12 @@ def _classes(facets: VirtualFacets, colour: str, result: Score) -> _Classes:
         of = np.searchsorted(_GROUPS, facets.reflections[drawn], side="right") - 1
         colours = REFLECTION_COLOURS
     else:
-        kinds = list(EXIT_COLOURS)
-        kind = np.array([kinds.index(kind) for kind in FACET_KINDS[:-1]])
-        of = kind[facets.nodes[facets.node[drawn], 1]] + len(kinds) * rear
-        names = [f"{_KIND_NAMES[kind]}{ending}" for ending in ("", ", rear") for kind in kinds]
-        colours = tuple(EXIT_COLOURS[kind][dark] for dark in (0, 1) for kind in kinds)
+        facet = facets.nodes[facets.node[drawn], 1]
+        weight = np.bincount(facet, facets.area[drawn], len(facets.stone.facets))
+        kinds = exit_colours(facets.stone, weight)
+        of = kinds.group[facet] + len(kinds.names) * rear
+        names = [f"{name}{ending}" for ending in ("", ", rear") for name in kinds.names]
+        colours = tuple(pair[dark] for dark in (0, 1) for pair in kinds.colours)
     of = np.where(facets.status[drawn] == FacetStatus.TRAPPED, len(names), of)
     return _Classes(
         drawn=drawn,
@@ -223,7 +208,7 @@ def _classes(facets: VirtualFacets, colour: str, result: Score) -> _Classes:
     )
 
 
-def _told(colour: str, model: Model) -> str:
+def _quantity(colour: str, model: Model) -> str:
     """Say what the colours tell."""
     measure = {"primary": "primary intensity", "radiance": "radiance"}[model.intensity]
     return {"reflections": "total reflections", "facet": "where its light comes in"}.get(colour, measure)
@@ -285,7 +270,7 @@ def _draw_facets(axes: Axes, facets: VirtualFacets, classes: _Classes, scale: fl
 
 
 def _silhouette(stone: Stone, view: View) -> np.ndarray:
-    """Return the outline of a convex stone in the view, (n, 2) [girdle radius]."""
+    """Return the outline of a convex stone in the view, (n, 2) [stone's unit]."""
     right, up, _ = view.basis()
     lines = look_at(stone, Projection(name="", right=right, up=up)).outline
     points = np.unique(np.concatenate(lines), axis=0)
@@ -299,22 +284,10 @@ def _luminance(colours: np.ndarray) -> np.ndarray:
     return np.asarray(linear @ np.array([0.2126, 0.7152, 0.0722]))
 
 
-def _draw_scales(axes: Axes, *, tilted: bool) -> None:
-    """Draw a scale to the left of and below the picture."""
-    axes.set_axis_on()
-    axes.patch.set_visible(False)
-    axes.spines[["top", "right"]].set_visible(False)
-    for side, label, axis in (("bottom", "x", axes.xaxis), ("left", "y", axes.yaxis)):
-        axes.spines[side].set_position(("outward", 7))
-        axes.spines[side].set_bounds(-1, 1)
-        axis.set_ticks(np.linspace(-1, 1, 5), ["−1", "−0.5", "0", "0.5", "1"], fontsize=12)
-        axis.set_label_text(f"{label}{' in the view' if tilted else ''} [girdle radius]", fontsize=12)
-
-
 # ---- The panel -----------------------------------------------------------------------------------------
 
 
-def _draw_panel(axes: Axes, result: Score, told: str, rows: list[tuple[str, str, float]]) -> None:
+def _draw_panel(axes: Axes, result: Score, quantity: str, rows: list[tuple[str, str, float]]) -> None:
     """Draw the scores, the legend with its shares, the facets by size, and the rules."""
     y = axes.get_ylim()[1]
     assert result.bound is not None
@@ -325,7 +298,7 @@ def _draw_panel(axes: Axes, result: Score, told: str, rows: list[tuple[str, str,
         axes.text(x, y - 0.60, f"{number} %", fontsize=21, fontweight="bold", color=PAPER.ink)
         axes.text(x, y - 0.84, f"± {bound} %", fontsize=11, color=PAPER.soft)
 
-    axes.text(0, y - _SCORES, f"Share of the view by {told}", fontsize=11.5, color=PAPER.soft)
+    axes.text(0, y - _SCORES, f"Share of the view by {quantity}", fontsize=11.5, color=PAPER.soft)
     step = min(_ROW, (y - _SCORES - _SIZES - _RULES) / len(rows))
     widest = max(share for _, _, share in rows)
     for i, (colour, name, share) in enumerate(rows, start=1):
@@ -380,8 +353,8 @@ def _short(share: float) -> str:
 
 def _bounded(value: float, bound: float) -> tuple[str, str]:
     """Return a score and its bound as every table states it; the score has as many decimals, two or more."""
-    told = bound_text(bound)
-    return f"{value:.{max(2, len(told.partition('.')[2]))}f}", told
+    text = bound_text(bound)
+    return f"{value:.{max(2, len(text.partition('.')[2]))}f}", text
 
 
 def _rules(result: Score) -> str:

@@ -11,6 +11,7 @@ import numpy as np
 
 import gemrender
 from gemrender.observation import Observation, RayStatus
+from gemrender.report.dimensions import length_unit
 from gemrender.report.lettering import boxes_for_letters, name_fonts, save_png
 from gemrender.report.tables import LEAST_SHOWN, band_name, how_text, model_text
 from gemrender.scoring import BAND_EDGES, Score, score_observation
@@ -24,6 +25,7 @@ __all__ = [
     "OUTSIDE_COLOUR",
     "REAR_COLOUR",
     "UNSOLVED_COLOUR",
+    "draw_scales",
     "map_figure",
     "map_picture",
     "write_map_figure",
@@ -99,12 +101,19 @@ def _draw_axes(axes: Axes, observation: Observation) -> None:
     reduction = _reduction(resolution)
     width = 2 * half * -(-resolution // reduction) * reduction / resolution  # with the last pixel's part
     axes.set(xlim=(-half, width - half), ylim=(half - width, half))
+    draw_scales(axes, length_unit(observation.stone), tilted=tilted, font_size=13)
+
+
+def draw_scales(axes: Axes, unit: str, *, tilted: bool, font_size: float) -> None:
+    """Draw a scale to the left of and below a map, from -1 to 1 of a unit, such as "girdle radius"."""
+    axes.set_axis_on()
+    axes.patch.set_visible(False)
+    axes.spines[["top", "right"]].set_visible(False)
     for side, label, axis in (("bottom", "x", axes.xaxis), ("left", "y", axes.yaxis)):
         axes.spines[side].set_position(("outward", 7))
         axes.spines[side].set_bounds(-1, 1)
-        axis.set_ticks(np.linspace(-1, 1, 5), ["−1", "−0.5", "0", "0.5", "1"], fontsize=13)
-        axis.set_label_text(f"{label}{' in the view' if tilted else ''} [girdle radius]", fontsize=13)
-    axes.spines[["top", "right"]].set_visible(False)
+        axis.set_ticks(np.linspace(-1, 1, 5), ["−1", "−0.5", "0", "0.5", "1"], fontsize=font_size)
+        axis.set_label_text(f"{label}{' in the view' if tilted else ''} [{unit}]", fontsize=font_size)
 
 
 def _draw_panel(axes: Axes, result: Score) -> None:

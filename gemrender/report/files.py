@@ -23,6 +23,8 @@ from gemrender.writing import write_whole
 
 __all__ = ["check_folder", "file_stems", "prepare_folder", "write_exr", "write_observation"]
 
+#: Endings of stone files, which the files made from them do not have.
+_ENDING = re.compile(r"\.(toml|csv|asc|gem|gcs|stl|obj|ply|glb|srn)$", re.IGNORECASE)
 #: Longest stem of a file's name [bytes]: file systems take 255 with the ending.
 MOST_STEM_BYTES = 200
 
@@ -90,7 +92,7 @@ def file_stems(names: Iterable[str]) -> list[str]:
     """
     stems: list[str] = []
     for name in names:
-        plain = re.sub(r"\.(toml|csv)$", "", Path(name).name, flags=re.IGNORECASE)
+        plain = _ENDING.sub("", Path(name).name)
         plain = re.sub(r"[^\w.-]+", "-", unicodedata.normalize("NFC", plain)).strip("-.").lower()
         stem = plain.encode(errors="ignore")[:MOST_STEM_BYTES].decode(errors="ignore") or "stone"
         number, unique = 1, stem
@@ -124,7 +126,8 @@ def write_exr(observation: Observation, path: Path) -> None:
     """Write all maps as float32 channels, and what they are as attributes.
 
     The attribute `gemrender` is one JSON string with every number in full: stone, proportions, vertices,
-    material, view, model, score, engine and version. Pixels are row by row from the top.
+    material, view, model, score, engine, version, and the facets with their planes. Pixels are row by row
+    from the top.
     """
     import OpenEXR
 
@@ -157,6 +160,10 @@ def describe(observation: Observation) -> dict[str, Any]:
         "model": asdict(observation.model),
         "score": score_observation(observation).to_dict(),
         "version": gemrender.__version__,
+        "facets": [asdict(facet) for facet in stone.facets],
+        "planes": stone.solid.planes.tolist(),
+        "plane_facet": stone.solid.facet.tolist(),
+        "is_round": stone.is_round,
     }
 
 

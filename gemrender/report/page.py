@@ -23,16 +23,6 @@ from typing import Any
 import numpy as np
 
 import gemrender
-from gemrender.cuts.round_brilliant.topology import (
-    FACET_NAMES,
-    GIRDLE,
-    GIRDLE_LOWER,
-    GIRDLE_UPPER,
-    LOWER_GIRDLE_TRIANGLES,
-    TRIANGLE_FACET,
-    TRIANGLES,
-    UPPER_GIRDLE_TRIANGLES,
-)
 from gemrender.engines import DEFAULT_MEMORY_LIMIT, DEFAULT_TIME_LIMIT
 from gemrender.errors import InputError
 from gemrender.observation import Model, Observation, RayStatus, View
@@ -42,12 +32,13 @@ from gemrender.optics.fresnel import (
     LEAST_TOTAL,
     critical_angle_deg,
 )
-from gemrender.report.dimensions import dimensions
+from gemrender.report.dimensions import dimensions, length_unit
 from gemrender.report.displays.ray_colours import RAY_COLOURS
 from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR
 from gemrender.report.tables import LEAST_SHOWN, band_name, how_text, model_text
 from gemrender.scoring import Score, score_observation
-from gemrender.stone import Stone, tessellate
+from gemrender.stone import MeshSolid, Stone, tessellate
+from gemrender.stone.facets import LEVEL
 from gemrender.writing import write_whole
 
 __all__ = ["MOST_STONES", "check_number", "check_target", "report_html", "write_report"]
@@ -62,8 +53,10 @@ INTENSITY_STEPS = 200
 _REAR, _UNSOLVED, _OUTSIDE = 65001, 65002, 65003
 #: Most virtual facets that are outlined: each takes some 60 bytes.
 MOST_OUTLINES = 20_000
-#: Straight pieces of each girdle arc in the drawing.
-_ARC_SEGMENTS = 8
+#: Straight pieces of a round girdle in the drawing.
+_PIECES = 128
+#: What lengths of a stone count, by `length_unit`, in the plural.
+_UNITS = {"girdle radius": "girdle radii", "half length": "half lengths"}
 
 _ASSETS = resources.files("gemrender.report").joinpath("assets")
 
@@ -186,7 +179,8 @@ def _data(observations: Iterable[Observation]) -> dict[str, Any]:
         check_number(len(stones) + 1)
         stones.append(
             {
-                **traced(observation.stone, observation.model, observation.view),
+                "solid": traced_solid(observation.stone),
+                **traced_as(observation.model, observation.view),
                 **_shown(observation.stone),
                 **_scored(observation),
             }
@@ -194,8 +188,7 @@ def _data(observations: Iterable[Observation]) -> dict[str, Any]:
     check_number(len(stones))
     return {
         "generator": f"gemrender {gemrender.__version__}",
-        "topology": topology(),
-        "facetNames": FACET_NAMES,
+        "optics": optics(),
         "colours": {
             "bands": BAND_COLOURS,
             "rear": REAR_COLOUR,
@@ -207,36 +200,39 @@ def _data(observations: Iterable[Observation]) -> dict[str, Any]:
     }
 
 
-def topology() -> dict[str, Any]:
+def optics() -> dict[str, Any]:
     """Return what `tracer.js` needs that is the same for every stone."""
     return {
-        "triangles": TRIANGLES.tolist(),
-        "triangleFacet": TRIANGLE_FACET.tolist(),
-        "girdle": GIRDLE,
-        "girdleUpper": GIRDLE_UPPER.tolist(),
-        "girdleLower": GIRDLE_LOWER.tolist(),
-        "upperTriangles": UPPER_GIRDLE_TRIANGLES.tolist(),
-        "lowerTriangles": LOWER_GIRDLE_TRIANGLES.tolist(),
         "gubelinAngles": GUBELIN_ANGLES_DEG.tolist(),
         "gubelinReflected": GUBELIN_REFLECTED.tolist(),
         "leastTotal": LEAST_TOTAL,
+        "level": LEVEL,
     }
 
 
-def traced(stone: Stone, model: Model, view: View) -> dict[str, Any]:
-    """Return what `tracer.js` needs of a stone, its numbers to the last bit."""
+def traced_solid(stone: Stone) -> dict[str, Any]:
+    """Return the surfaces that `tracer.js` traces, their numbers to the last bit."""
+    solid, mesh = stone.solid, None
+    if isinstance(solid, MeshSolid):
+        mesh = {"vertices": solid.vertices.tolist(), "triangles": solid.triangles.tolist()}
     return {
-        "vertices": stone.vertices.tolist(),
-        "triangleNormals": stone.triangle_normals.tolist(),
-        "triangleOffsets": stone.triangle_offsets.tolist(),
-        "round": stone.girdle.is_round,
-        "halfSpaces": stone.is_half_spaces,
+        "planes": solid.planes.tolist(),
+        "planeFacet": solid.facet.tolist(),
+        "round": solid.is_round,
+        "mesh": mesh,
+    }
+
+
+def traced_as(model: Model, view: View) -> dict[str, Any]:
+    """Return the rules that `tracer.js` traces by, and from where."""
+    return {
         "model": {
             "index": model.index,
             "fresnel": model.fresnel,
             "rear": model.rear,
             "intensity": model.intensity,
             "maxReflections": model.max_reflections,
+            "ground": model.ground,
         },
         "view": {"basis": view.basis().tolist(), "halfWidth": view.half_width, "tilt": view.tilt_deg},
     }
@@ -244,16 +240,29 @@ def traced(stone: Stone, model: Model, view: View) -> dict[str, Any]:
 
 def _shown(stone: Stone) -> dict[str, Any]:
     """Return the stone's drawing: its mesh, and its proportions in words and numbers."""
-    mesh = tessellate(stone, _ARC_SEGMENTS)
+    mesh = tessellate(stone, _PIECES)
+    last = len(stone.facets) - 1
+    has_wall = len(stone.facet_normals) == last  # a girdle that is not one plane
+    is_brilliant = stone.labelled_vertices is not None
     return {
         "name": stone.name,
-        "measured": stone.proportions is None,
+        "unit": _UNITS[length_unit(stone)],
+        "facetNames": stone.facet_names,
+        "wall": last if has_wall else None,
+        "round": stone.is_round,
+        "measured": is_brilliant and stone.proportions is None,
         "mesh": {
             "vertices": mesh.vertices.round(6).tolist(),
             "faces": mesh.faces.tolist(),
             "facets": mesh.face_facet.tolist(),
         },
         "proportions": _proportions(stone),
+        "proportionsText": (
+            "Per cent of the girdle’s diameter; star and lower-half length as on a laboratory report."
+            if is_brilliant
+            else "Per cent of the width; the crown above the girdle’s highest point, the pavilion below its "
+            "lowest."
+        ),
     }
 
 
@@ -321,18 +330,24 @@ def _map(observation: Observation) -> dict[str, Any]:
     }
 
 
+#: Rows of the table of proportions: what it calls each dimension, and its key.
+_ROWS = (
+    ("Length to width", "length_to_width"),
+    ("Table size", "table"),
+    ("Crown angle", "crown_angle"),
+    ("Crown height", "crown_height"),
+    ("Pavilion angle", "pavilion_angle"),
+    ("Pavilion depth", "pavilion_depth"),
+    ("Girdle thickness", "girdle_thickness"),
+    ("Total depth", "total_depth"),
+    ("Star length", "star"),
+)
+
+
 def _proportions(stone: Stone) -> list[dict[str, Any]]:
     """Return rows of the table of proportions: name, value, unit; of a measured stone their means."""
-    values = dimensions(stone)
-    rows = [
-        ("Table size", values["table"].value, "%"),
-        ("Crown angle", values["crown_angle"].value, "°"),
-        ("Crown height", values["crown_height"].value, "%"),
-        ("Pavilion angle", values["pavilion_angle"].value, "°"),
-        ("Pavilion depth", values["pavilion_depth"].value, "%"),
-        ("Girdle thickness", values["girdle_thickness"].value, "%"),
-        ("Total depth", values["total_depth"].value, "%"),
-        ("Star length", values["star"].value, "%"),
-        ("Lower-half length", 100 - values["lower_girdle_contact"].value, "%"),
-    ]
+    known = dimensions(stone)
+    rows = [(name, known[key].value, known[key].unit) for name, key in _ROWS if key in known]
+    if "lower_girdle_contact" in known:
+        rows.append(("Lower-half length", 100 - known["lower_girdle_contact"].value, "%"))
     return [{"name": name, "value": round(value, 2), "unit": unit} for name, value, unit in rows]

@@ -43,7 +43,7 @@ _NAMES = {
 
 def parameter_name(derivative: Derivative) -> str:
     """Return the parameter in words, with what is kept where that matters."""
-    name = _NAMES[derivative.parameter]
+    name = _NAMES.get(derivative.parameter, derivative.parameter)
     if derivative.parameter == "table":
         name += ", heights kept" if derivative.kept == "proportions" else ", angles kept"
     return name

@@ -1,7 +1,7 @@
-"""Convex solids read back from meshes: the planes of their facets, and the cylinder of a round girdle.
+"""Convex solids of meshes that carry their planes, and the cylinder of a round girdle.
 
 A ray inside a convex solid needs no ray tracer: the next surface is the nearest plane that it runs towards.
-That takes a ninth of the time of a query to Embree, and no edge can be slipped through.
+That takes a fraction of the time of a query to Embree, and no edge can be slipped through.
 """
 
 from __future__ import annotations
@@ -10,15 +10,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-__all__ = ["ConvexSolid", "convex_solid"]
+__all__ = ["ConvexSolid", "convex_solid", "fits"]
 
 #: How far a vertex may lie beyond a plane, or beside the girdle's cylinder [share of the solid's size]: the
 #: rounding of single precision in positions and normals.
 _FLAT = 3e-6
-#: Vertex normals that differ by less belong to one plane.
-_SAME_NORMAL = 1e-5
-#: A solid with more planes is left to the ray tracer: they would take longer, and longer to compile.
-_MOST_PLANES = 128
+#: A mesh with more planes is no cut stone, and is left to the ray tracer.
+_MOST_PLANES = 5000
+#: Vertices times planes that are looked at together.
+_AT_ONCE = 1 << 22
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -42,61 +42,112 @@ class ConvexSolid:
 
     def depth(self, points: np.ndarray) -> np.ndarray:
         """Return how far points (k, 3) are inside, negative outside, (k,) [scene unit]."""
-        depth = (self.planes[:, 3] - points @ self.planes[:, :3].T).min(axis=1)
+        depth = np.full(len(points), np.inf)
+        step = max(1, _AT_ONCE // max(len(points), 1))
+        for first in range(0, len(self.planes), step):
+            planes = self.planes[first : first + step]
+            np.minimum(depth, (planes[:, 3] - points @ planes[:, :3].T).min(axis=1), out=depth)
         if self.cylinder is not None:
             beside = _radii(points, self.cylinder[:3], self.cylinder[3:6])
             depth = np.minimum(depth, self.cylinder[6] - beside)
-        return np.asarray(depth)
+        return depth
+
+
+def fits(positions: np.ndarray, faces: np.ndarray, planes: np.ndarray) -> bool:
+    """Return whether the vertices of each face lie on its plane; false where a mesh has been moved.
+
+    Parameters
+    ----------
+    positions : (v, 3) float
+        Vertices.
+    faces : (f, 3) int
+        Vertices of each face.
+    planes : (f, 4) float64
+        Outward unit normal and offset of each. Of a round girdle, whose normals are 0, it is not looked at.
+    """
+    flat = planes[:, :3].any(axis=1)
+    off = np.einsum("fki,fi->fk", positions[faces[flat]], planes[flat, :3]) - planes[flat, 3:]
+    return bool((np.abs(off) <= _FLAT * _size(positions)).all())  # false for NaN too
 
 
 def convex_solid(
-    positions: np.ndarray, normals: np.ndarray, faces: np.ndarray, on_wall: np.ndarray
+    positions: np.ndarray, normals: np.ndarray, faces: np.ndarray, planes: np.ndarray
 ) -> ConvexSolid | None:
     """Return the solid that a stone's mesh bounds, or None if it is not convex or its girdle not round.
+
+    The planes are taken as the mesh carries them. Where they do not fit, as after a transform of the mesh,
+    each is fitted anew to its faces, to the single precision of their vertices.
 
     Parameters
     ----------
     positions, normals : (v, 3) float
-        Vertices [scene unit] and their outward unit normals: those of the facet's plane, on the girdle
-        those of the wall. A vertex belongs to one plane only.
+        Vertices [scene unit] and their outward normals; a vertex belongs to one plane only.
     faces : (f, 3) int
         Vertices of each face.
-    on_wall : (f,) bool
-        Which faces belong to a round girdle.
+    planes : (f, 4) float64
+        Outward unit normal and offset of the plane of each face, to the last bit the same for faces of one
+        plane; on a round girdle the normal is 0.
     """
     positions, normals = np.asarray(positions, dtype=np.float64), np.asarray(normals, dtype=np.float64)
-    # What single precision rounds by goes with the distance from the origin.
-    size = max(float(np.linalg.norm(np.ptp(positions, axis=0))), 0.1 * float(np.abs(positions).max()))
-    on_girdle = np.unique(faces[on_wall])
-    planar = np.unique(faces[~on_wall])
-    if len(planar) == 0:
+    size = _size(positions)
+    flat = planes[:, :3].any(axis=1)
+    distinct, plane_of = np.unique(planes[flat], axis=0, return_inverse=True)
+    if not 0 < len(distinct) <= _MOST_PLANES:
         return None
-    # One plane for each normal: rounded ones are equal, or next to it.
-    length = np.linalg.norm(normals[planar], axis=1, keepdims=True)
-    if not (length > 0.5).all():  # no normals
-        return None
-    unit = normals[planar] / length
-    planes: list[np.ndarray] = []
-    left = np.ones(len(planar), dtype=bool)
-    while left.any():
-        if len(planes) == _MOST_PLANES:
+    if not fits(positions, faces, planes):
+        plane_of, flat_faces = plane_of.reshape(-1), faces[flat]
+        corners = positions[flat_faces]
+        area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        # Vertex normals that were moved with the mesh are the best; those that Mitsuba makes anew are less
+        # so than the faces themselves.
+        for towards in (normals[flat_faces].sum(axis=1), area):
+            distinct = _fitted(corners, towards, plane_of)
+            if fits(positions, flat_faces, distinct[plane_of]):
+                break
+        else:
             return None
-        first = unit[left.argmax()]
-        same = left & (np.linalg.norm(unit - first, axis=1) < _SAME_NORMAL)
-        normal = unit[same].mean(axis=0)
-        normal /= np.linalg.norm(normal)
-        planes.append(np.append(normal, (positions[planar[same]] @ normal).mean()))
-        left &= ~same
-    solid = np.array(planes)
-    if (positions @ solid[:, :3].T > solid[:, 3] + _FLAT * size).any():
+    solid = ConvexSolid(planes=distinct, cylinder=None)
+    if not solid.holds(positions, margin=_FLAT * size).all():
         return None
-    if len(on_girdle) == 0:
-        return ConvexSolid(planes=solid, cylinder=None)
+    if flat.all():
+        return solid
+    on_girdle = np.unique(faces[~flat])
+    if not normals[on_girdle].any():
+        return None
     cylinder = _cylinder(positions[on_girdle], normals[on_girdle])
     beside = np.abs(_radii(positions[on_girdle], cylinder[:3], cylinder[3:6]) - cylinder[6])
     if not beside.max() <= _FLAT * size:
         return None
-    return ConvexSolid(planes=solid, cylinder=cylinder)
+    return ConvexSolid(planes=distinct, cylinder=cylinder)
+
+
+def _size(positions: np.ndarray) -> float:
+    """Return what single precision rounds shares of: it goes with the distance from the origin."""
+    return max(float(np.linalg.norm(np.ptp(positions, axis=0))), 0.1 * float(np.abs(positions).max()))
+
+
+def _fitted(corners: np.ndarray, towards: np.ndarray, plane_of: np.ndarray) -> np.ndarray:
+    """Fit planes to faces that are known to share them, (n, 4).
+
+    Parameters
+    ----------
+    corners : (f, 3, 3) float64
+        Corners of the faces.
+    towards : (f, 3) float64
+        Vectors along their normals, in or out, with their weights.
+    plane_of : (f,) int
+        Plane of each.
+    """
+    count = np.bincount(plane_of)
+    normal, middle = (
+        np.column_stack([np.bincount(plane_of, values[:, k]) for k in range(3)]) / count[:, None]
+        for values in (towards, corners.mean(axis=1))
+    )
+    length = np.linalg.norm(normal, axis=1)
+    normal /= np.where(length > 0, length, 1)[:, None]
+    normal *= np.where(np.einsum("ij,ij->i", normal, middle - corners.mean(axis=(0, 1))) < 0, -1, 1)[:, None]
+    offset = np.einsum("ij,ij->i", normal, middle)
+    return np.column_stack([normal, np.where(length > 0, offset, np.inf)])  # without a normal it fits nothing
 
 
 def _cylinder(points: np.ndarray, normals: np.ndarray) -> np.ndarray:

@@ -55,6 +55,7 @@ def integrator(model: Model) -> dict[str, Any]:
         "rear": model.rear,
         "intensity": model.intensity,
         "max_reflections": model.max_reflections,
+        "ground": model.ground,
     }
 
 

@@ -15,16 +15,19 @@ __all__ = [
     "FACET_ATTRIBUTE",
     "NORMAL_ATTRIBUTES",
     "OFFSET_ATTRIBUTES",
+    "carried_planes",
     "mesh_solid",
     "placed_mesh",
     "stone_mesh",
     "sweep_mesh",
+    "tube_mesh",
 ]
 
 #: Face attribute with the number of the facet.
 FACET_ATTRIBUTE = "face_facet"
-#: Face attributes with the plane's outward normal and its offset [girdle radius], each in double precision
-#: as the sum of two singles. On a round girdle the normal is 0 and the offset the radius of its cylinder.
+#: Face attributes with the plane's outward normal and its offset in the mesh's own coordinates, each in
+#: double precision as the sum of two singles. On a round girdle the normal is 0 and the offset the radius of
+#: its cylinder. Where a mesh is moved they no longer fit, which its vertices tell.
 NORMAL_ATTRIBUTES = ("face_normal_high", "face_normal_low")
 OFFSET_ATTRIBUTES = ("face_offset_high", "face_offset_low")
 
@@ -73,9 +76,8 @@ def placed_mesh(placed: Placed, bsdf: dict[str, Any] | None = None, name: str = 
     """
     _, normals, faces = placed.mesh.split()
     shape = _mesh(name, placed.split_points(), normals @ placed.rotation.T, faces, bsdf)
-    planes = placed.mesh.face_normals @ placed.rotation.T
-    offsets = placed.scale * placed.mesh.face_offsets + planes @ placed.shift
-    return _with_planes(shape, placed.mesh.face_facet, planes, offsets)
+    planes = placed.planes()
+    return _with_planes(shape, placed.mesh.face_facet, planes[:, :3], planes[:, 3])
 
 
 def sweep_mesh(
@@ -115,19 +117,56 @@ def sweep_mesh(
     return _mesh(name, positions @ to_place, normals @ to_place, faces, bsdf)
 
 
-def mesh_solid(shape: Any) -> ConvexSolid | None:
-    """Read a stone's solid back from its mesh, wherever it stands; None if it is none of `placed_mesh`'s."""
+def tube_mesh(
+    *, outline: np.ndarray, low: float, high: float, bsdf: dict[str, Any] | None = None, name: str = "tube"
+) -> Any:
+    """Build an upright tube, open at both ends.
+
+    Parameters
+    ----------
+    outline : (n, 2) float64
+        Corners of a convex polygon, anticlockwise [scene unit].
+    low, high : float
+        Heights of its ends [scene unit].
+
+    Returns
+    -------
+    mi.Mesh
+    """
+    n = len(outline)
+    along = np.roll(outline, -1, axis=0) - outline
+    across = np.column_stack([along[:, 1], -along[:, 0]]) / np.linalg.norm(along, axis=1, keepdims=True)
+    corners = np.stack([outline, np.roll(outline, -1, axis=0)], axis=1).repeat(2, axis=0).reshape(-1, 2)
+    heights = np.tile([low, low, high, high], n)
+    normals = np.column_stack([np.repeat(across, 4, axis=0), np.zeros(4 * n)])
+    first = 4 * np.arange(n)[:, None, None]
+    faces = (first + np.array([[0, 1, 3], [0, 3, 2]])).reshape(-1, 3)
+    return _mesh(name, np.column_stack([corners, heights]), normals, faces, bsdf)
+
+
+def carried_planes(shape: Any) -> np.ndarray | None:
+    """Return the plane that a mesh carries for each face, (f, 4) float64: normal and offset; None if none."""
     import mitsuba as mi
 
-    if not isinstance(shape, mi.Mesh) or not np.any(shape.has_attribute(NORMAL_ATTRIBUTES[0])):
+    names = (*NORMAL_ATTRIBUTES, *OFFSET_ATTRIBUTES)
+    if not isinstance(shape, mi.Mesh) or not all(np.all(shape.has_attribute(name)) for name in names):
         return None
     values = mi.traverse(shape)
-    return convex_solid(
-        np.array(values["vertex_positions"]).reshape(-1, 3),
-        np.array(values["vertex_normals"]).reshape(-1, 3),
-        np.array(values["faces"]).reshape(-1, 3),
-        ~np.array(values[NORMAL_ATTRIBUTES[0]]).reshape(-1, 3).any(axis=1),
-    )
+    high, low, offset_high, offset_low = (np.array(values[name], dtype=np.float64) for name in names)
+    return np.column_stack([(high + low).reshape(-1, 3), offset_high + offset_low])
+
+
+def mesh_solid(shape: Any) -> ConvexSolid | None:
+    """Return a stone's solid by the planes that its mesh carries; None if it has none or is not convex."""
+    import mitsuba as mi
+
+    planes = carried_planes(shape)
+    if planes is None:
+        return None
+    values = mi.traverse(shape)
+    positions = np.array(values["vertex_positions"]).reshape(-1, 3)
+    normals = np.array(values["vertex_normals"]) if shape.has_vertex_normals() else np.zeros(positions.size)
+    return convex_solid(positions, normals.reshape(-1, 3), np.array(values["faces"]).reshape(-1, 3), planes)
 
 
 def _mesh(

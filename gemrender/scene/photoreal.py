@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from gemrender.colorimetry import (
 )
 from gemrender.errors import InputError
 from gemrender.optics import Material
+from gemrender.scene.mesh import placed_mesh, sweep_mesh, tube_mesh
 from gemrender.scene.placing import Placed, frame, place, towards
 from gemrender.scene.setup import Light, Setup
 from gemrender.stone import Stone
@@ -28,6 +30,8 @@ MOST_PIXELS = 16384
 _SPECTRUM_NM = np.arange(360.0, 831.0, 5.0)
 #: Half a width of grounds [girdle radius]: their edge is out of sight.
 _WIDE = 60.0
+#: How much wider than its stone a cup is.
+_LOOSE = 1.0005
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,7 +47,7 @@ class Gem:
     material_name : str or float
         What the material is loaded by: a name, a file or an index.
     diameter_mm : float
-        Girdle diameter [mm].
+        Girdle diameter, of stones that are not round the length of the outline's longer side [mm].
     """
 
     stone: Stone
@@ -64,32 +68,29 @@ class PhotorealScene:
         The stones in their places.
     surfaces : tuple of dict
         Surface of each.
-    sweep : pair of dict and dict, or None
-        Measures and surface of a sweep, which is a mesh too.
+    built : dict of str to (callable, dict)
+        Other meshes by their names: what builds each of a surface and a name, and its surface.
     """
 
     plain: dict[str, Any]
     stones: tuple[Placed, ...]
     surfaces: tuple[dict[str, Any], ...]
-    sweep: tuple[dict[str, Any], dict[str, Any]] | None
+    built: dict[str, tuple[Callable[..., Any], dict[str, Any]]]
 
     def meshes(self, *, with_surface: bool = True) -> dict[str, Any]:
         """Build the meshes for the active variant, by their names in the scene."""
-        from gemrender.scene.mesh import placed_mesh, sweep_mesh
-
         out = {
             f"stone_{k}": placed_mesh(placed, surface if with_surface else None, f"stone_{k}")
             for k, (placed, surface) in enumerate(zip(self.stones, self.surfaces, strict=True), start=1)
         }
-        if self.sweep is not None:
-            measures, surface = self.sweep
-            out["ground"] = sweep_mesh(bsdf=surface if with_surface else None, **measures)
+        for name, (build, surface) in self.built.items():
+            out[name] = build(bsdf=surface if with_surface else None, name=name)
         return out
 
     def mesh_surfaces(self) -> dict[str, dict[str, Any]]:
         """Return the surfaces of the meshes, by their names in the scene."""
         out = {f"stone_{k}": surface for k, surface in enumerate(self.surfaces, start=1)}
-        return out | ({"ground": self.sweep[1]} if self.sweep is not None else {})
+        return out | {name: surface for name, (_, surface) in self.built.items()}
 
     def to_dict(self) -> dict[str, Any]:
         """Return the scene for `mi.load_dict`, with meshes of the active variant."""
@@ -113,7 +114,8 @@ def photoreal_scene(
     Parameters
     ----------
     gems : sequence of Gem
-        The stones, from left to right. A scene unit is the girdle radius of the first.
+        The stones, from left to right. A scene unit is that of the first: its girdle radius, or half the
+        longer side of its outline.
     setup : Setup
         What stands around them.
     width, height : int
@@ -165,27 +167,33 @@ def photoreal_scene(
     scene |= _lights(setup, target, stock)
     scene |= _sky(setup, stock)
     stones = tuple(p.turned(turn_deg) if turn_deg else p for p in placed)
-    sweep = None
+    built: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {}
     paper = {"type": "diffuse", "reflectance": _reflectance(setup.ground.reflectance, stock)}
     if setup.ground.type == "plane":
         scene["ground"] = {"type": "disk", "to_world": _scaled(_WIDE), "bsdf": paper}
     elif setup.ground.type == "sweep":
         # Towards the wall that stands behind the stones, as the camera sees them
-        measures = {
-            "half_width": _WIDE,
-            "wall": max(setup.ground.distance, 2.5 * reach),  # the bend begins beyond the stones
-            "bend": 0.6 * max(setup.ground.distance, 2.5 * reach),
-            "azimuth_deg": setup.camera.azimuth + 180,
-        }
-        sweep = (measures, {"type": "twosided", "bsdf": paper})
+        wall = max(setup.ground.distance, 2.5 * reach)  # the bend begins beyond the stones
+        build = partial(
+            sweep_mesh,
+            half_width=_WIDE,
+            wall=wall,
+            bend=0.6 * wall,
+            azimuth_deg=setup.camera.azimuth + 180,
+        )
+        built["ground"] = (build, {"type": "twosided", "bsdf": paper})
     elif setup.ground.type == "cup":
-        scene |= {f"cup_{k}": _cup(stone, paper) for k, stone in enumerate(stones, start=1)}
+        for k, (gem, stone) in enumerate(zip(gems, stones, strict=True), start=1):
+            if gem.stone.is_round:
+                scene[f"cup_{k}"] = _cup(stone, paper)
+            else:
+                built[f"cup_{k}"] = (_outline_cup(stone), {"type": "twosided", "bsdf": paper})
     surfaces = tuple(_surface(gem, first_mm, dispersion, stock) for gem in gems)
     return PhotorealScene(
         plain=scene,
         stones=stones,
         surfaces=surfaces,
-        sweep=sweep,
+        built=built,
     )
 
 
@@ -363,6 +371,18 @@ def _reflectance(value: float, stock: bool) -> dict[str, Any]:
     return {"type": "rgb", "value": value} if stock else {"type": "uniform", "value": value}
 
 
+def _outline_cup(placed: Placed) -> Callable[..., Any]:
+    """Return what builds the same of a stone that is not round: an upright tube about its outline."""
+    from scipy.spatial import ConvexHull
+
+    points = placed.points()
+    outline = points[ConvexHull(points[:, :2]).vertices, :2]
+    middle = outline.mean(axis=0)
+    outline = middle + _LOOSE * (outline - middle)
+    low, high = float(points[:, 2].min()), float(placed.shift[2])
+    return partial(tube_mesh, outline=outline, low=low, high=high)
+
+
 def _cup(placed: Placed, paper: dict[str, Any]) -> dict[str, Any]:
     """Return an upright tube about a stone's pavilion, up to the girdle's lower edge."""
     edge = placed.shift  # z = 0 of the stone's frame
@@ -370,7 +390,7 @@ def _cup(placed: Placed, paper: dict[str, Any]) -> dict[str, Any]:
         "type": "cylinder",
         "p0": [float(edge[0]), float(edge[1]), float(placed.points()[:, 2].min())],
         "p1": edge.tolist(),
-        "radius": 1.0005 * placed.scale,
+        "radius": _LOOSE * placed.scale,
         "bsdf": {"type": "twosided", "bsdf": paper},
     }
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gemrender.errors import InputError
+from gemrender.scene.resting import resting_plane
 from gemrender.stone import Stone, StoneMesh, tessellate
 
 if TYPE_CHECKING:
@@ -46,6 +47,14 @@ class Placed:
         """Return the vertices of `StoneMesh.split` in their place, (w, 3) [scene unit]."""
         return np.asarray(self.scale * self.mesh.split()[0] @ self.rotation.T + self.shift)
 
+    def planes(self) -> np.ndarray:
+        """Return the plane of each face in its place, (f, 4): outward unit normal, and offset [scene unit].
+
+        On a round girdle the normal is 0 and the offset the radius.
+        """
+        normals = self.mesh.face_normals @ self.rotation.T
+        return np.column_stack([normals, self.scale * self.mesh.face_offsets + normals @ self.shift])
+
     def turned(self, turn_deg: float) -> Placed:
         """Return it turned about the vertical through the origin, anticlockwise seen from above [deg]."""
         turn = _about_z(np.radians(turn_deg))
@@ -76,7 +85,7 @@ def place(
     azimuth_deg : float
         Azimuth of the camera [deg].
     sizes : list of float
-        Girdle radius of each [scene unit].
+        The unit of each, such as the girdle radius [scene unit].
     """
     across = _about_z(np.radians(azimuth_deg + 90)) @ np.array([1.0, 0.0, 0.0])
     placed, edge = [], 0.0
@@ -158,8 +167,7 @@ def _rotation(stone: Stone, pose: str, azimuth_deg: float) -> np.ndarray:
         return np.eye(3)
     if pose == "table-down":
         return np.diag([1.0, -1.0, -1.0])
-    main = stone.facet_kinds.index("pavilion_main")
-    tilt = _onto(stone.facet_normals[main], np.array([0.0, 0.0, -1.0]))
+    tilt = _onto(resting_plane(stone), np.array([0.0, 0.0, -1.0]))
     table = tilt @ np.array([0.0, 0.0, 1.0])
     return np.asarray(_about_z(np.radians(azimuth_deg) - np.arctan2(table[1], table[0])) @ tilt)
 

@@ -198,7 +198,7 @@ class Setup:
     name, about : str
         What to call it, and what it is for.
     pose : {"table-up", "lying", "table-down"}
-        How the stones rest; lying is on a pavilion main facet, as a loose stone does.
+        How the stones rest; lying is on a facet of the pavilion, as a loose stone does.
     facing : float
         Azimuth that the table of a lying stone leans to, from the camera's [deg].
     gap : float

@@ -17,6 +17,8 @@ __all__ = ["Polyhedron", "interior_point", "intersect"]
 
 #: Neighbouring corners closer than this are one [share of the solid's size]: rounding.
 _SAME = 1e-10
+#: A point is well inside that has so much room on all sides [share of the largest distance of a plane].
+_ROOM = 0.05
 #: A corner this many times further away than planes are is at infinity: the solid is open.
 _OPEN = 1e-9
 
@@ -146,12 +148,16 @@ def interior_point(planes: np.ndarray) -> np.ndarray:
     InputError
         There is none.
     """
-    if (planes[:, 3] > 0.05 * np.abs(planes[:, 3]).max()).all():
-        return np.zeros(3)
+    largest = float(np.abs(planes[:, 3]).max() or 1.0)
+    # Stones stand about their axis: a point of it will do for nearly all.
+    heights = np.linspace(-largest, largest, 65)
+    room = (planes[:, 3:] - planes[:, 2:3] * heights).min(axis=0)
+    if room.max() > _ROOM * largest:
+        return np.array([0.0, 0.0, heights[int(room.argmax())]])
     from scipy.optimize import linprog
 
     # The centre of the largest sphere inside (Chebyshev's); its radius is bounded, so that open ones end too.
-    most = 10.0 * float(np.abs(planes[:, 3]).max() or 1.0)
+    most = 10.0 * largest
     found = linprog(
         [0.0, 0.0, 0.0, -1.0],
         A_ub=np.column_stack([planes[:, :3], np.ones(len(planes))]),

@@ -126,9 +126,14 @@ class MeshSolid:
         return flat_facets(self.vertices, self.triangles, self.facet)
 
     @property
+    def triangle_areas(self) -> np.ndarray:
+        """(f,) float64: area of each triangle."""
+        return np.asarray(0.5 * np.linalg.norm(self._crosses, axis=1))
+
+    @property
     def areas(self) -> np.ndarray:
         """(n_facets,) float64: area of each facet."""
-        return np.bincount(self.facet, 0.5 * np.linalg.norm(self._crosses, axis=1), self.n_facets)
+        return np.bincount(self.facet, self.triangle_areas, self.n_facets)
 
     @property
     def volume(self) -> float:

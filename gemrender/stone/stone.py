@@ -19,6 +19,8 @@ __all__ = ["Cut", "Stone"]
 
 #: Heights of a girdle's lower edge that differ by no more are level [stone's unit]: rounding in files.
 _LEVEL_EDGE = 1e-6
+#: A facet whose planes' areas, added as vectors, make less of their sum is a wall all round: not one plane.
+_WALL = 0.5
 
 
 class Cut(Protocol):
@@ -119,18 +121,21 @@ class Stone:
         """Plane of each facet that has one, (m, 4); the mean over its area where it is not flat."""
         solid = self.solid
         if isinstance(solid, MeshSolid):
-            return mean_planes(solid.vertices, solid.triangles, solid.facet)
+            planes = mean_planes(solid.vertices, solid.triangles, solid.facet)
+            crosses = solid.planes[:, :3] * solid.triangle_areas[:, None]
+            last = np.linalg.norm(crosses[solid.facet == len(planes) - 1].sum(axis=0))
+            return planes[:-1] if last < _WALL * solid.areas[-1] else planes
         count = len(self.facets) - solid.is_round
         if len(solid.planes) == count:
             return solid.planes
         crosses = solid.polyhedron.crosses[: len(solid.planes)]
         total = np.column_stack([np.bincount(solid.facet, crosses[:, k], count) for k in range(3)])
         length = np.linalg.norm(total, axis=1)
-        if length[-1] < 1e-6 * length.max():  # a wall all round
+        areas = np.bincount(solid.facet, solid.polyhedron.areas[: len(solid.planes)])
+        if length[-1] < _WALL * areas[-1]:
             count, total, length = count - 1, total[:-1], length[:-1]
         normals = total / length[:, None]
         offsets = np.bincount(solid.facet, solid.planes[:, 3] * solid.polyhedron.areas[: len(solid.planes)])
-        areas = np.bincount(solid.facet, solid.polyhedron.areas[: len(solid.planes)])
         return np.column_stack([normals, (offsets / areas)[:count]])
 
     @property

@@ -16,7 +16,7 @@ RENDER = "render inoue-3 -o a.png"
 SCENE = "scene inoue-3 --out s"
 
 BAD_INPUT = {
-    "render": "STONE: missing: stone files, or names of bundled stones",
+    "render": "STONE: missing: stone files (.toml, .csv, .asc, ",
     "render inoue-3": "--out: missing: picture or film to write, or the folder for it: .png, ",
     "render inoue-9 -o a.png": "inoue-9: no such file; the bundled stones are fish-eye, ",
     "render inoue-3 -o a.bmp": "--out = 'a.bmp': must end in .png, .jpg, .jpeg, .webp, .exr, .mp4",

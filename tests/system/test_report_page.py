@@ -15,15 +15,15 @@ from typing import Any
 import numpy as np
 import pytest
 import typer
+from any_stones import design, hollow_stone
 from observations import observation as made_observation
 from typer.testing import CliRunner
 
 from gemrender.cli.report import report
 from gemrender.cuts import load_stone, stone_from_vertices
-from gemrender.cuts.round_brilliant.topology import FACET_NAMES
 from gemrender.engines import observe as observe_by
 from gemrender.errors import InputError
-from gemrender.observation import Observation, RayStatus
+from gemrender.observation import PATH_CODE_FACTOR, PATH_CODE_MASK, Observation, RayStatus, View
 from gemrender.reference import observe, trace_paths
 from gemrender.reference.path import RayPath
 from gemrender.report.page import INTENSITY_STEPS, MAP_PIXELS, MOST_STONES, report_html, write_report
@@ -60,11 +60,19 @@ def measured() -> Stone:
 
 @pytest.fixture(scope="module")
 def observed() -> dict[str, Observation]:
-    from gemrender.observation import View
-
-    stones = {"inoue-3": load_stone("inoue-3"), "inoue-1": load_stone("inoue-1"), "measured": measured()}
-    sides = {"inoue-3": RESOLUTION, "inoue-1": RESOLUTION, "measured": RESOLUTION // 2}
-    return {name: observe(stone, View.of(stone, sides[name])) for name, stone in stones.items()}
+    stones = {
+        "inoue-3": load_stone("inoue-3"),
+        "inoue-1": load_stone("inoue-1"),
+        "measured": measured(),
+        "emerald": design("emerald"),
+        "pear": design("pear"),
+        "hollow": hollow_stone(),
+    }
+    small = ("measured", "emerald", "pear", "hollow")
+    return {
+        name: observe(stone, View.of(stone, RESOLUTION // 2 if name in small else RESOLUTION))
+        for name, stone in stones.items()
+    }
 
 
 @pytest.fixture(scope="module")
@@ -74,7 +82,11 @@ def pages(observed, tmp_path_factory) -> dict[str, Path]:
     return {
         "one": write_report([one], folder / "one.html"),
         "two": write_report([one, other], folder / "two.html"),
-        "measured": write_report([observed["measured"]], folder / "measured.html"),
+        **{
+            name: write_report([observed[name]], folder / f"{name}.html")
+            for name in ("measured", "emerald", "pear", "hollow")
+        },
+        "cuts": write_report([one, observed["pear"], observed["emerald"]], folder / "cuts.html"),
     }
 
 
@@ -164,7 +176,7 @@ def expected_path(seen: dict[str, Any], observation: Observation) -> RayPath:
 def assert_shown(seen: dict[str, Any], observation: Observation) -> None:
     """The page shows the reference's path at its point, which is the map's pixel there."""
     path = expected_path(seen, observation)
-    assert seen["facets"] == path.facet_names
+    assert tuple(seen["facets"]) == path.facet_names
     assert float(seen["intensity"]) == pytest.approx(path.primary_intensity, abs=SAME_PERCENT, rel=0)
     assert seen["text"].replace("\n", "") == f"{path.primary_intensity:.2f} %"
     assert int(seen["reflections"]) == path.reflections
@@ -224,13 +236,19 @@ def test02_the_stone_is_drawn(opened, pages):
     assert pixels("0")["changed"] == 0, "0 does not bring it back"
 
 
-@pytest.mark.parametrize("name", ["inoue-3", "measured"])
+@pytest.mark.parametrize("name", ["inoue-3", "measured", "emerald", "pear", "hollow"])
 def test03_a_click_shows_the_reference_path(opened, pages, observed, name):
     observation = observed[name]
     seen = opened(pages["one" if name == "inoue-3" else name])
     half_width = observation.view.half_width
     statuses = set()
-    for x, y in [(0.1, 0.05), (-0.45, 0.31), (0.62, -0.4), (0.93, 0.34), (-0.2, -0.88), (0.99, 0.99)]:
+    points = [(0.1, 0.05), (-0.45, 0.31), (0.62, -0.4), (0.93, 0.34), (-0.2, -0.88), (0.99, 0.99)]
+    some_rear = np.argwhere(observation.rear_mask > 0)
+    row, column = some_rear[len(some_rear) // 2]
+    points.append(
+        tuple(axis[i] for axis, i in zip(observation.view.cell_centres(), (column, row), strict=True))
+    )
+    for x, y in points:
         seen.click(x, y, half_width=half_width)
         told = seen.ray()
         assert abs(float(told["x"]) - x) < 0.02
@@ -288,6 +306,19 @@ def test05_two_stones_stay_linked(opened, pages, observed):
     assert (moved["x"], moved["y"]) == (seen.ray(1)["x"], seen.ray(1)["y"])
 
 
+def test05_stones_of_different_cuts_are_told_in_one_table(opened, pages):
+    """What one cut has and another lacks is a dash."""
+    rows = (
+        opened(pages["cuts"])
+        .page.locator("#proportions tbody tr")
+        .evaluate_all("rows => rows.map(row => [...row.children].map(cell => cell.innerText))")
+    )
+    values = {name: cells for name, *cells in rows}
+    assert values["Star length"] == ["57.00 %", "–", "–"]
+    assert values["Length to width"] == ["–", "1.25", "1.25"]
+    assert values["Total depth"] == ["61.28 %", "60.28 %", "63.52 %"]
+
+
 def test06_keyboard(opened, pages):
     seen = opened(pages["one"])
     page, order = seen.page, []
@@ -320,7 +351,9 @@ def test07_hover_tells_facet_and_intensity(opened, pages, observed):
     x, y = observation.view.cell_centres()
     for row, column in [(64, 70), (30, 45), (100, 85)]:
         seen.page.mouse.move(*seen.place(x[column], y[row]))
-        facet = FACET_NAMES[observation.entry_facet[row, column]].replace("bezel", "bezel_main")
+        facet = observation.stone.facet_names[observation.entry_facet[row, column]].replace(
+            "bezel", "bezel_main"
+        )
         said = seen.page.locator("#tip").inner_text()
         name, value = said.split(": ")
         assert name == facet.replace("_", " ")
@@ -332,7 +365,7 @@ def test07_hover_tells_facet_and_intensity(opened, pages, observed):
             )
 
 
-@pytest.mark.parametrize("name", ["one", "two"])
+@pytest.mark.parametrize("name", ["one", "two", "emerald", "pear", "cuts"])
 def test08_a_phone_scrolls_one_way_only(opened, pages, observed, name):
     seen = opened(pages[name], phone=True)
     assert seen.page.evaluate("document.documentElement.scrollWidth") <= 390
@@ -340,8 +373,10 @@ def test08_a_phone_scrolls_one_way_only(opened, pages, observed, name):
     seen.canvas("map").scroll_into_view_if_needed()
     seen.page.touchscreen.tap(*seen.place(0.9, 0.34))  # more rows, longer words
     after = seen.ray()
-    assert len(after["facets"]) > len(before["facets"])
-    assert_shown(after, observed["inoue-3"])
+    assert (after["x"], after["y"]) != (before["x"], before["y"])
+    if name in ("one", "two"):
+        assert len(after["facets"]) > len(before["facets"])
+        assert_shown(after, observed["inoue-3"])
     assert seen.page.evaluate("document.documentElement.scrollWidth") <= 390
     small = seen.page.evaluate(
         "[...document.querySelectorAll('button')].map(b => b.getBoundingClientRect().height)"
@@ -417,16 +452,16 @@ def test11_names_are_harmless(opened, tmp_path):
 def test12_the_ray_shown_is_the_ray_that_was_scored(opened, pages, observed):
     """1000 pixels of each map, traced by the page's tracer with the page's data."""
     rng = np.random.default_rng(5)
-    for name, file in (("inoue-3", "one"), ("measured", "measured")):
+    for name, file in (("inoue-3", "one"), ("measured", "measured"), ("pear", "pear")):
         observation = observed[name]
         rows, columns = rng.permutation(np.argwhere(observation.coverage > 0))[:1000].T
         x, y = observation.view.cell_centres()
         found = opened(pages[file]).page.evaluate(
             """(points) => {
                 const data = JSON.parse(document.getElementById('data').textContent);
-                const stone = data.stones[0], surfaces = new GemTracer.Surfaces(stone, data.topology);
+                const stone = data.stones[0], surfaces = GemTracer.surfacesOf(stone.solid);
                 return points.map(([x, y]) => {
-                    const p = GemTracer.trace(surfaces, stone.view, stone.model, x, y);
+                    const p = GemTracer.trace(surfaces, data.optics, stone.view, stone.model, x, y);
                     return [p.intensity, p.facets];
                 });
             }""",
@@ -437,7 +472,7 @@ def test12_the_ray_shown_is_the_ray_that_was_scored(opened, pages, observed):
             at = rows[i], columns[i]
             code = 0
             for facet in facets:
-                code = (code * 61 + facet + 1) & 0xFFFFFF
+                code = (code * PATH_CODE_FACTOR + facet + 1) & PATH_CODE_MASK
             same = code == observation.path_code[at] and intensity == pytest.approx(
                 float(observation.primary_intensity[at]), abs=SAME_PIXEL
             )

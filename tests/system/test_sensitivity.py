@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +11,9 @@ from beam_help import gem
 from exact_tolerances import DERIVATIVE
 from solids import bent_stone
 
+import gemrender
 from gemrender.beam import beam_stone, measure
+from gemrender.beam.by_tiers import design_unit
 from gemrender.beam.compiled import STEP
 from gemrender.beam.sensitivity import PROPORTIONS, facet_totals, proportion_planes, sensitivity
 from gemrender.cuts import RoundBrilliant, load_stone
@@ -109,7 +112,9 @@ def test04_angles_follow_from_heights():
 
 def test05_the_stated_bound_covers_more_rays():
     stone = load_stone("inoue-2")
-    coarse, fine = (sensitivity(stone, model=MODEL, bound=bound, seed=bound == 10) for bound in (10, 1))
+    coarse, fine = (
+        sensitivity(stone, model=MODEL, bound=bound, seed=seed) for bound, seed in ((10, 3), (1, 4))
+    )
     for a, b in zip(coarse.derivatives, fine.derivatives, strict=True):
         assert abs(a.average - b.average) <= a.average_bound + b.average_bound
         assert abs(a.rear - b.rear) <= a.rear_bound + b.rear_bound
@@ -132,3 +137,39 @@ def test07_a_tilted_view_is_differentiated_too(parameter):
 def test08_a_stone_without_proportions_is_refused(stone):
     with pytest.raises(InputError, match="has no proportions to differentiate by"):
         sensitivity(stone)
+
+
+# ---- Designs -------------------------------------------------------------------------------------------
+
+DESIGNS = Path(__file__).parents[1] / "cases" / "stones"
+#: Step of the difference quotient of exact scores [deg], [%], and how far it is off: its second order, and a
+#: score's rounding over the step.
+TIER_STEP, TIER_QUOTIENT = 2e-4, 0.02
+
+
+@pytest.mark.parametrize("name", ["square-barion", "slab-chiral"])
+def test_tiers_of_a_design(name):
+    stone = load_stone(DESIGNS / f"{name}.asc")
+    design = stone.cut
+    found = sensitivity(stone)
+    tiers = design.tier_names()
+    of_facet = dict(zip(design.facet_names(), design.facet_tiers, strict=True))
+    on_the_stone = {tiers[of_facet[name]] for name in stone.facet_names}
+    assert {d.parameter.rsplit(" ", 1)[0] for d in found.derivatives} == on_the_stone
+    for derivative in found.derivatives:
+        tier, quantity = derivative.parameter.rsplit(" ", 1)
+        number = tiers.index(tier)
+        key, step = (
+            ("angle_deg", 1.0) if quantity == "angle" else ("distance", 0.01 * design_unit(stone, design))
+        )
+        value = getattr(design.tiers[number], key)
+        sides = [
+            gemrender.score(design.with_tier(number, **{key: value + by * step}).stone(), rear="facet")
+            for by in (-TIER_STEP, TIER_STEP)
+        ]
+        for score in ("average", "rear"):
+            low, high = (getattr(side, score) for side in sides)
+            assert getattr(derivative, score) == pytest.approx(
+                (high - low) / (2 * TIER_STEP), abs=TIER_QUOTIENT
+            )
+            assert getattr(derivative, f"{score}_bound") == 0

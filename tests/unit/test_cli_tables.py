@@ -344,3 +344,16 @@ def test_doctor_prints_the_line_for_the_shell_and_nothing_else():
         assert done.stderr == ""
         assert done.stdout.count("\n") == 1
         assert done.stdout.startswith("export DRJIT_LIBLLVM_PATH=")
+
+
+def test_what_was_mended_in_a_stones_file_is_told(gemrender, tmp_path):
+    (tmp_path / "cube.asc").write_text(
+        "g 96 0.0\nI 1.5\na -90 1 96 24 48 72 96\na 0 1 96\na 0 -1 96\na 45 9 3\n"
+    )
+    status, _, err = gemrender("convert", str(tmp_path / "cube.asc"), "-o", str(tmp_path / "cube.obj"))
+    assert status == 0
+    assert [line.split(": ", 2)[2] for line in err.splitlines()[:3]] == [
+        "has no first line GemCad",
+        "the same plane stands twice, once is used: G1_96_2",
+        "other facets cut away C1",
+    ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -93,9 +94,29 @@ def test_difference_is_first_minus_second():
 
 
 def test_difference_of_different_views_is_refused():
-    other = observation(RayStatus.EXITED, resolution=8)
+    one = small()
+    other = replace(one, view=replace(one.view, tilt_deg=10.0))
     with pytest.raises(ValueError, match="different views"):
-        difference_figure(small(), other)
+        difference_figure(one, other)
+
+
+def test_maps_of_different_widths_lie_on_each_other_by_their_middles():
+    """The wider one has 8 pixels from -2 to 2: of its 64 the middle 16 lie within the other's width."""
+    narrow = small(intensity=80)
+    wide = observation(RayStatus.EXITED, resolution=8, primary_intensity=30)
+    wide = replace(wide, view=replace(wide.view, half_width=2.0))
+    for pair, expected in (((narrow, wide), 50.0), ((wide, narrow), -50.0)):
+        image = difference_figure(*pair).axes[0].images[0].get_array()
+        assert image.shape == (8, 8)
+        assert np.ma.allequal(image[2:6, 2:6], expected)
+        assert image.count() == 16
+
+
+def test_a_coarser_map_is_sampled_at_the_pixels_of_the_finer():
+    left = np.repeat([[10.0, 60.0]], 2, axis=0)
+    coarse = observation(RayStatus.EXITED, resolution=2, primary_intensity=left)
+    image = difference_figure(small(intensity=0), coarse).axes[0].images[0].get_array()
+    assert np.ma.allequal(image, -np.repeat(left[:1], 8, axis=1).repeat(16, axis=0))
 
 
 def test_files_of_a_pair(tmp_path):

@@ -26,13 +26,13 @@ from gemrender.report import displays
 from gemrender.report.displays import FORMATS, draw, write_display
 from gemrender.report.facets import (
     COLOURS,
-    EXIT_COLOURS,
     GIRDLE_COLOUR,
     REFLECTION_COLOURS,
     check_colour,
     facets_figure,
 )
 from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR
+from gemrender.report.palettes import EXIT_COLOURS
 from gemrender.scoring import BAND_EDGES, score
 from gemrender.stone import Stone
 
@@ -44,6 +44,8 @@ OUTLINE_AREA = 1e-4
 ROUNDING = 1e-9
 #: Least difference of colours that people tell apart beside each other (CIEDE2000): 2.3 are just noticed.
 TOLD_APART = 10.0
+#: The same of ten tiers, which are more than can be ten apart for every eye.
+TIERS_APART = 7.5
 
 #: Bundled stones from above, light near the girdle, a tilted eye, tilted facets and an oval girdle.
 VIEWS = {
@@ -277,6 +279,19 @@ def test_kinds_of_facets_are_told_apart(kind):
     assert colour.delta_E(a, b, method="CIE 2000").min() > TOLD_APART
 
 
+@pytest.mark.filterwarnings("ignore:.*Machado:Warning")
+@pytest.mark.parametrize("kind", [None, "Protanomaly", "Deuteranomaly", "Tritanomaly"])
+def test_tiers_are_told_apart(kind):
+    """Their colours for light that is no rear light; legends name the tiers as well."""
+    import colour
+
+    colours = [*(light for light, _ in TIER_COLOURS), GIRDLE_COLOUR, UNSOLVED_COLOUR]
+    a, b = np.array(list(combinations(lab(colours, kind), 2))).transpose(1, 0, 2)
+    assert colour.delta_E(a, b, method="CIE 2000").min() > TIERS_APART
+    lightness = lab([c for pair in TIER_COLOURS for c in pair], kind)[:, 0]
+    assert (lightness[::2] - lightness[1::2]).min() > 20, "rear light is darker"
+
+
 @pytest.mark.parametrize("kind", [None, "Protanomaly", "Deuteranomaly"])
 def test_more_reflections_are_darker(kind):
     lightness = lab(REFLECTION_COLOURS, kind)[:, 0]
@@ -333,7 +348,7 @@ def test_unknown_colours_are_refused_before_any_work():
 
 
 def test_a_hollow_stone_is_refused():
-    with pytest.raises(InputError, match="bent: is hollow beside facet pavilion_main_"):
+    with pytest.raises(InputError, match="bent: is not convex"):
         draw(bent_stone(0.003), "facets")
 
 
@@ -378,7 +393,7 @@ def test_unknown_colours_are_one_line_of_the_command(show, asked):
 def test_virtual_facets_of_a_hollow_stone_are_an_error_before_anything_is_drawn(show, asked):
     status, err = show("inoue-3", "hollow.csv", "--what", "outline", "--what", "facets")
     assert status == 2
-    assert err.startswith("gemrender: hollow.csv: is hollow beside facet ")
+    assert err.startswith("gemrender: hollow.csv: is not convex")
     assert err.count("\n") == 1
     assert not asked
 
@@ -387,7 +402,7 @@ def test_virtual_facets_of_a_hollow_stone_are_an_error_before_anything_is_drawn(
 def test_of_a_hollow_stone_all_is_all_the_rest(show, asked, what):
     status, err = show("inoue-3", "hollow.csv", *what, "--engine", "reference")
     assert status == 0
-    assert err.startswith("virtual facets left out: hollow.csv: is hollow beside facet ")
+    assert err.startswith("virtual facets left out: hollow.csv: is not convex")
     assert err.count("\n") == 1
     everything = [("inoue-3", what) for what in displays.DISPLAYS]
     rest = [("hollow", what) for what in displays.DISPLAYS if what != "facets"]

@@ -82,7 +82,7 @@ def test_the_import_of_both_sets_no_variant():
 @pytest.mark.parametrize(
     "statement",
     [
-        "import gemrender.score",
+        "import gemrender.scoring",
         "from gemrender.scoring import Score",
         "import gemrender.crosscheck",
         "import gemrender.cli",

@@ -97,6 +97,9 @@ def test_attributes_say_what_the_maps_are(tmp_path):
     assert known["model"]["fresnel"] == "gubelin"
     assert known["view"]["resolution"] == 4
     assert known["score"] == score_observation(observed).to_dict()
+    np.testing.assert_array_equal(known["planes"], STONE.solid.planes)
+    assert [facet["name"] for facet in known["facets"]] == list(STONE.facet_names)
+    assert (known["plane_facet"], known["is_round"]) == (list(range(57)), True)
 
 
 def test_a_measured_stone_has_no_proportions(tmp_path):
@@ -318,6 +321,7 @@ def test_no_folder_is_told_by_its_reason(folder, reason, tmp_path, monkeypatch):
     [
         (["inoue-1", "inoue-1", "inoue-1"], ["inoue-1", "inoue-1-2", "inoue-1-3"]),
         (["a.toml", "b/a.csv", "a-2"], ["a", "a-2", "a-2-2"]),
+        (["pear.asc", "pear.GEM", "pear.gcs", "x.stl"], ["pear", "pear-2", "pear-3", "x"]),
         (["A.TOML", "a.toml"], ["a", "a-2"]),  # one file where capitals do not count
         (["../../etc/pass wd.toml"], ["pass-wd"]),
         (["cut v1.2.toml"], ["cut-v1.2"]),

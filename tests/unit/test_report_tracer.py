@@ -9,12 +9,14 @@ from importlib import resources
 
 import numpy as np
 import pytest
+from any_stones import design, hollow_stone
 from critical import INDICES, at_critical_angle
+from solids import bent_stone
 
 from gemrender.cuts import load_stone, stone_from_vertices
-from gemrender.observation import Model, RayStatus, View
+from gemrender.observation import REAR_RULES, Model, RayStatus, View
 from gemrender.reference import RayPath, trace_paths
-from gemrender.report.page import topology, traced
+from gemrender.report.page import optics, traced_as, traced_solid
 from gemrender.stone import Stone
 
 #: Rays of each stone, all over its top view.
@@ -31,10 +33,10 @@ NODE = shutil.which("node")
 
 SCRIPT = """
 const tracer = require(process.argv[1]);
-const { topology, stone, points } = JSON.parse(require('node:fs').readFileSync(0, 'utf8'));
-const surfaces = new tracer.Surfaces(stone, topology);
+const { optics, solid, model, view, points } = JSON.parse(require('node:fs').readFileSync(0, 'utf8'));
+const surfaces = tracer.surfacesOf(solid);
 const paths = points.map(([x, y]) => {
-    const path = tracer.trace(surfaces, stone.view, stone.model, x, y);
+    const path = tracer.trace(surfaces, optics, view, model, x, y);
     return { ...path, incidence: path.points.map((_, i) => tracer.anglesAt(path, i)[0]) };
 });
 process.stdout.write(JSON.stringify(paths));
@@ -61,19 +63,25 @@ STONES = {
     "measured": lambda: measured(0.002, 1),
     "measured badly": lambda: measured(0.008, 2),
     "tilted facets": tilted,
+    "hollow": lambda: bent_stone(0.003),
+    "emerald": lambda: design("emerald"),
+    "pear": lambda: design("pear"),
+    "slab": lambda: design("slab-chiral"),
+    "hollow emerald": hollow_stone,
 }
 
 
 def by_javascript(stone: Stone, points: np.ndarray, view: View, model: Model) -> list[dict]:
-    asked = {
-        "topology": topology(),
-        "stone": traced(stone, model, view),
+    request = {
+        "optics": optics(),
+        "solid": traced_solid(stone),
+        **traced_as(model, view),
         "points": points.tolist(),
     }
     with resources.as_file(resources.files("gemrender.report").joinpath("assets/tracer.js")) as file:
         done = subprocess.run(
             [NODE, "-e", SCRIPT, str(file)],
-            input=json.dumps(asked),
+            input=json.dumps(request),
             capture_output=True,
             text=True,
             timeout=120,
@@ -138,7 +146,7 @@ def test02_same_for_every_model(options):
 
 
 def test03_same_for_a_tilted_eye():
-    for stone in (load_stone("inoue-3"), measured(0.002, 1)):
+    for stone in (load_stone("inoue-3"), measured(0.002, 1), design("pear")):
         compare(stone, view=View(resolution=1, tilt_deg=25, tilt_azimuth_deg=40), rays=RAYS // 2)
 
 
@@ -160,3 +168,9 @@ def test05_same_side_of_the_critical_angle(index):
     """Rationale: rays meet the mains of these stones a few roundings to either side of it."""
     model = Model(index=index, fresnel="exact", max_reflections=FEW_REFLECTIONS)
     compare(at_critical_angle(index), model=model, rays=RAYS // 10)
+
+
+@pytest.mark.parametrize("rear", REAR_RULES)
+def test06_same_rear_light_by_every_rule(rear):
+    """Of a stone whose girdle's lower edge is not level, and that they tell apart."""
+    compare(design("slab-chiral"), model=Model.of(design("slab-chiral"), rear=rear), rays=RAYS // 4)

@@ -436,6 +436,6 @@ def test_a_light_among_the_stones_is_refused(tmp_path):
 
 def test_a_sweep_bends_up_beyond_any_row_of_stones():
     scene = scene_of("white", stones=9)
-    measures = scene.sweep[0]
+    measures = scene.built["ground"][0].keywords
     reach = max(np.hypot(*stone.points()[:, :2].T).max() for stone in scene.stones)
     assert measures["wall"] - measures["bend"] >= reach

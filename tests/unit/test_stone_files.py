@@ -265,16 +265,18 @@ _KEYS = "table, star, lower_girdle_contact, crown_height, pavilion_depth, girdle
 REFUSED = {
     "no shape": (
         'name = "x"',
-        "needs exactly one of [proportions], [angles], [report] and vertices; has none",
+        "needs exactly one of [proportions], [angles], [report], [cut], vertices, design and mesh; has none",
     ),
     "two shapes": (
         PROPORTIONS + ANGLES,
-        "needs exactly one of [proportions], [angles], [report] and vertices; has proportions and angles",
+        "needs exactly one of [proportions], [angles], [report], [cut], vertices, design and mesh; "
+        "has proportions and angles",
     ),
     "unknown section": (
         PROPORTIONS.replace("[proportions]", "[proportion]\nx = 1"),
         "proportion = {'x': 1, 'table': 54.0, 'star': 57.0, 'lower_girdle_contact…: unknown key; "
-        "must be one of name, proportions, angles, report, vertices, material; did you mean proportions?",
+        "must be one of name, proportions, angles, report, cut, vertices, design, mesh, material; "
+        "did you mean proportions?",
     ),
     "unknown key": (
         PROPORTIONS.replace("crown_height", "crown_hight"),
@@ -282,7 +284,8 @@ REFUSED = {
     ),
     "key without its section": (
         "table = 54\n" + PROPORTIONS,
-        "table = 54: unknown key; must be one of name, proportions, angles, report, vertices, material; "
+        "table = 54: unknown key; must be one of name, proportions, angles, report, cut, vertices, design, "
+        "mesh, material; "
         "it belongs in [proportions] or [angles] or [report]",
     ),
     "key of another section": (

@@ -4,9 +4,9 @@
 // with the other stones. Uses THREE (three.min.js) and GemTracer (tracer.js); all data is in #data.
 
 (() => {
-    const { STATUS, Surfaces, dot } = GemTracer;
+    const { STATUS, dot } = GemTracer;
     const data = JSON.parse(document.getElementById('data').textContent);
-    const { topology, facetNames, colours, codes } = data;
+    const { colours, codes } = data;
 
     /** Canvases are drawn at least at this many pixels a CSS pixel: for sharp paper too. */
     const LEAST_PIXEL_RATIO = 2;
@@ -15,7 +15,7 @@
     const MOST_NUMBERED = 16;
     /** Most stones that have a column each in the tables below. */
     const MOST_COLUMNS = 4;
-    /** Length of the ray drawn outside the stone [girdle radius]. */
+    /** Length of the ray drawn outside the stone [stone's unit]. */
     const OUTSIDE_LENGTH = 0.55;
     /** The map's margin around the stone, as a share of its width. */
     const MAP_MARGIN = 0.03;
@@ -26,14 +26,24 @@
     /** A press that moves less than this is a click [CSS px]. */
     const CLICK_SLACK = 5;
     const PAPER = matchMedia('print');
+    /** What is rear light, by the model's rule. */
+    const REAR_WORDS = {
+        position: 'Light that comes in at or below height 0, the girdle’s lower edge, is rear light.',
+        facet: 'Light that comes in through a facet of the pavilion is rear light.',
+        direction: 'Light that comes from below the horizon is rear light.',
+    };
 
     const STAGE_FONT = '600 11px "Segoe UI", Roboto, Helvetica, Arial, sans-serif';
     const REAR_RAY = '#ffffff';
     const STAGE_GLOW = ['#1d2530', '#0b0e13'];
 
     const number = (value, digits) => value.toFixed(digits).replace('-', '−');
-    const facetName = (facet) => facetNames[facet].replace('bezel', 'bezel_main').replaceAll('_', ' ');
-    const theFacet = (facet) => (/_/.test(facetNames[facet]) ? '' : 'the ') + facetName(facet);
+    const facetName = (name) => name.replace(/^bezel_/, 'bezel_main_').replaceAll('_', ' ');
+    /** A facet within a sentence: a word, such as "the table" or "star 1", or a designer's name: "facet P1 24". */
+    function theFacet(name) {
+        if (!/^[a-z]{3}/.test(name)) return `facet ${facetName(name)}`;
+        return (/_/.test(name) ? '' : 'the ') + facetName(name);
+    }
     const find = (root, selector) => root.querySelector(selector);
     const times = (count) => (count === 1 ? 'once' : count === 2 ? 'twice' : `${count} times`);
 
@@ -190,20 +200,20 @@
     }
 
     /** The drawing's faces and the edges between its facets. */
-    function geometryOf({ vertices, faces, facets }, surfaces) {
+    function geometryOf({ mesh: { vertices, faces, facets }, wall, round }) {
         const positions = [];
         const normals = [];
         const edges = new Map();
         faces.forEach((face, i) => {
             const corners = face.map((v) => vertices[v]);
-            const isGirdle = facets[i] === topology.girdle;
+            const isRound = round && facets[i] === wall;
             const [a, b, c] = corners;
             const flat = GemTracer.unit(
                 GemTracer.cross(b.map((x, k) => x - a[k]), c.map((x, k) => x - a[k])),
             );
             for (const corner of corners) {
                 positions.push(...corner);
-                normals.push(...(isGirdle ? surfaces.girdle.normal(corner) : flat));
+                normals.push(...(isRound ? GemTracer.unit([corner[0], corner[1], 0]) : flat));
             }
             face.forEach((v, k) => {
                 const next = face[(k + 1) % 3];
@@ -224,8 +234,8 @@
             positions,
             normals,
             outlines: drawn.filter(isOutline),
-            // Within the girdle an edge is drawn only where the wall turns away from the eye.
-            wall: drawn.filter((edge) => !isOutline(edge) && edge.facets[0] === topology.girdle),
+            // Within a girdle that is not plane an edge is drawn only where it turns away from the eye.
+            wall: drawn.filter((edge) => !isOutline(edge) && edge.facets[0] === wall),
         };
     }
 
@@ -262,8 +272,8 @@
         side: { azimuth: -90, elevation: 0 },
         below: { azimuth: -90, elevation: -90 },
     };
-    /** Half the stage's width, at least, and the room above and below the stone [girdle radius]. */
-    const HALF_EXTENT = 1.26;
+    /** The room beside the stone, and above and below it [stone's unit]. */
+    const ASIDE = 0.26;
     const MARGIN = 0.45;
     /** By how much the stage's centre lies above the stone's, for the rays that come and go there. */
     const RAISED = 0.19;
@@ -370,10 +380,12 @@
                 child.material.transparent = true; // all in one queue, sorted by that order
             });
             this.camera = new THREE.OrthographicCamera(-1, 1, 1, -1, 0.1, 40);
-            const heights = this.card.stone.vertices.map((v) => v[2]);
+            const { vertices } = this.card.stone.mesh;
+            const heights = vertices.map((v) => v[2]);
             const [bottom, top] = [Math.min(...heights), Math.max(...heights)];
             this.centre = [0, 0, (bottom + top) / 2 + RAISED];
-            this.extent = Math.max(HALF_EXTENT, (top - bottom) / 2 + MARGIN);
+            const reach = Math.max(...vertices.map(([x, y]) => Math.hypot(x, y)));
+            this.extent = Math.max(reach + ASIDE, (top - bottom) / 2 + MARGIN);
         }
 
         show(name) {
@@ -500,8 +512,8 @@
             if (path === null || path.status === STATUS.MISSED) return;
             setLines(this.ray, lightLines(path).flat(2));
             this.ray.userData.width = rayWidth(path);
-            const { vertices, faces, facets } = this.card.stone.mesh;
-            const met = new Set(path.facets.filter((facet) => facet !== topology.girdle));
+            const { mesh: { vertices, faces, facets }, wall } = this.card.stone;
+            const met = new Set(path.facets.filter((facet) => facet !== wall));
             const corners = faces.filter((_, i) => met.has(facets[i])).flat(2).flatMap((v) => vertices[v]);
             this.met.visible = met.size <= MOST_NUMBERED;
             this.met.geometry.dispose();
@@ -706,7 +718,7 @@
                 const code = map.code(pixel);
                 if (code === codes.outside) return tip.hide();
                 const path = this.card.trace(map.point(pixel));
-                const facet = path.facets.length ? `${facetName(path.facets[0])}: ` : '';
+                const facet = path.facets.length ? `${facetName(this.card.stone.facetNames[path.facets[0]])}: ` : '';
                 const value = code < codes.rear ? `${number((code + 0.5) / codes.steps, 1)} %` : null;
                 tip.show(event, facet + (value ?? (code === codes.rear ? 'rear light' : 'trapped')));
             });
@@ -744,8 +756,8 @@
         constructor(stone) {
             this.stone = stone;
             this.map = new ScoredMap(stone.map);
-            this.surfaces = new Surfaces(stone, topology);
-            this.geometry = geometryOf(stone.mesh, this.surfaces);
+            this.surfaces = GemTracer.surfacesOf(stone.solid);
+            this.geometry = geometryOf(stone);
             this.path = null;
             this.pixel = null;
             this.isWaiting = false;
@@ -794,12 +806,12 @@
         }
 
         facesEye(facet, eye) {
-            const triangle = topology.triangleFacet.indexOf(facet);
-            return triangle >= 0 && dot(this.surfaces.normals[triangle], eye) > 0;
+            const { solid: { planes, planeFacet }, wall } = this.stone;
+            return facet !== wall && dot(planes[planeFacet.indexOf(facet)], eye) > 0;
         }
 
         trace({ x, y }) {
-            return GemTracer.trace(this.surfaces, this.stone.view, this.stone.model, x, y);
+            return GemTracer.trace(this.surfaces, data.optics, this.stone.view, this.stone.model, x, y);
         }
 
         /** Show the ray through the map's pixel at a point of the view. */
@@ -820,14 +832,14 @@
                 x: point.x, y: point.y, intensity: path.intensity, status: path.status, rear: path.rear,
                 reflections: path.reflections,
             });
-            find(root, '.place').textContent = `x ${number(point.x, 3)}, y ${number(point.y, 3)} girdle radii`;
+            find(root, '.place').textContent = `x ${number(point.x, 3)}, y ${number(point.y, 3)} ${stone.unit}`;
             const isMissed = path.status === STATUS.MISSED;
             const swatch = find(ray, '.swatch');
             swatch.style.background = isMissed ? 'transparent' : pathColour(stone, path);
             find(ray, '.intensity b').replaceChildren(
                 ...(isMissed ? ['–'] : [number(path.intensity, 2), element('small', {}, ' %')]),
             );
-            this.sentence = sentence(path);
+            this.sentence = sentence(path, stone.facetNames);
             find(ray, '.sentence').textContent = this.sentence;
             find(ray, '.product').replaceChildren(...product(path, stone.model));
             const differs = difference(code, path);
@@ -835,7 +847,7 @@
             find(ray, '.differs').textContent = differs ?? '';
             find(ray, '.path').hidden = isMissed;
             find(ray, '.path').scrollTop = 0;
-            find(ray, 'tbody').replaceChildren(...pathRows(path));
+            find(ray, 'tbody').replaceChildren(...pathRows(path, stone.facetNames));
         }
 
         redraw() {
@@ -865,13 +877,13 @@
         return path.rear ? colours.rear : codeColour(stone, path.intensity * codes.steps);
     }
 
-    function sentence(path) {
+    function sentence(path, names) {
         if (path.status === STATUS.MISSED) return 'Outside the stone.';
-        const seen = theFacet(path.facets[0]);
+        const seen = theFacet(names[path.facets[0]]);
         if (path.status === STATUS.TRAPPED)
             return `Seen through ${seen}; no light comes this way: after ${path.reflections} reflections it is still inside.`;
         if (path.status === STATUS.LOST) return `Seen through ${seen}; lost to rounding.`;
-        const where = `Light comes in through ${theFacet(path.facets.at(-1))}`;
+        const where = `Light comes in through ${theFacet(names[path.facets.at(-1)])}`;
         const way = path.reflections ? `is totally reflected ${times(path.reflections)} and ` : '';
         const end = `${way}reaches the eye through ${seen}.`;
         if (path.rear) return `${where}: rear light, counted as 0. It ${end}`;
@@ -911,7 +923,7 @@
     }
 
     /** The rows of the path's table, in the order in which the light meets the surface. */
-    function pathRows(path) {
+    function pathRows(path, facetNames) {
         const names = stationNames(path);
         const isOut = path.status === STATUS.EXITED;
         const last = path.points.length - 1;
@@ -931,7 +943,7 @@
             }
             const row = element('tr', {},
                 ...[
-                    names[i], facetName(path.facets[i]), degrees(inStone), degrees(inAir), share(t), share(s),
+                    names[i], facetName(facetNames[path.facets[i]]), degrees(inStone), degrees(inAir), share(t), share(s),
                     number(path.points[i][2], 3),
                 ].map((text) => element('td', {}, text)),
             );
@@ -1037,9 +1049,13 @@
         table(find(comparison, 'table'), ['Intensity', ...names], scores);
 
         const proportions = document.getElementById('proportions');
-        const rows = stones[0].proportions.map(({ name, unit }, i) => ({
-            cells: [name, ...ofEach((stone) => number(stone.proportions[i].value, 2) + (unit === '%' ? ' %' : unit))],
-        }));
+        // Of stones of different cuts all that any of them has.
+        const rowNames = [...new Set(stones.flatMap((stone) => stone.proportions.map(({ name }) => name)))];
+        const proportion = (stone, wanted) => {
+            const found = stone.proportions.find(({ name }) => name === wanted);
+            return found ? number(found.value, 2) + (found.unit === '%' ? ' %' : found.unit) : '–';
+        };
+        const rows = rowNames.map((name) => ({ cells: [name, ...ofEach((stone) => proportion(stone, name))] }));
         rows.push(
             { cells: ['Material', ...ofEach(({ material, model }) => material ?? (model.index === 2.4173 ? 'diamond' : '–'))] },
             { cells: ['Refractive index', ...ofEach(({ model }) => number(model.index, 4))] },
@@ -1049,7 +1065,7 @@
         find(proportions, 'thead').hidden = stones.length === 1;
         const measured = stones.filter((stone) => stone.measured).map((stone) => stone.name);
         find(proportions, '.note').textContent =
-            'Per cent of the girdle’s diameter; star and lower-half length as on a laboratory report.' +
+            [...new Set(stones.map((stone) => stone.proportionsText))].join(' ') +
             (measured.length ? ` Means over the vertices: ${measured.join(', ')}.` : '');
     }
 
@@ -1060,6 +1076,10 @@
         const unique = (values) => [...new Set(values)].join('; ');
         const text = unique(stones.map((stone) => stone.modelText));
         document.getElementById('rules').textContent = `${text[0].toUpperCase()}${text.slice(1)}.`;
+        document.getElementById('units').textContent = [
+            `Lengths are in ${unique(stones.map((stone) => stone.unit))}.`,
+            ...new Set(stones.map((stone) => REAR_WORDS[stone.model.rear])),
+        ].join(' ');
         const engines = unique(stones.map((stone) => stone.engineText));
         document.getElementById('generator').textContent =
             `${data.generator}. Map: ${engines}. The ray is traced in this page, in double precision. ` +

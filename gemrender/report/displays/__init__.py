@@ -30,13 +30,13 @@ FORMATS = ("png", "svg", "pdf")
 
 def draw(
     stone: Stone,
-    what: str,
+    display: str,
     *,
     at: Sequence[Sequence[float]] | None = None,
     azimuth_deg: float = 0.0,
     rays: int = FAN_RAYS,
     fresnel: str | None = None,
-    rear: str = "position",
+    rear: str | None = None,
     intensity: str = "primary",
     engine: str = DEFAULT_ENGINE,
     variant: str = DEFAULT_VARIANT,
@@ -50,10 +50,11 @@ def draw(
     ----------
     stone : Stone
         The stone.
-    what : str
-        One of `DISPLAYS`.
+    display : str
+        One of `DISPLAYS`. Vertices are a round brilliant's 57, of others the corners; triangles its 78, of
+        others the facets by their names.
     at : (n, 2) array_like, optional
-        For rays: x and y in the top view [girdle radius]; by default a bright, a weak and a rear ray.
+        For rays: x and y in the top view [stone's unit]; by default a bright, a weak and a rear ray.
     azimuth_deg : float
         For rays the azimuth to the right in the side view, for a fan that of its section [deg].
     rays : int
@@ -80,43 +81,39 @@ def draw(
     BackendError
         For the map and virtual facets: what traces them cannot run here.
     """
-    if what not in DISPLAYS:
-        raise InputError(f"must be one of {', '.join(DISPLAYS)}", key="what", value=what)
-    if what in ("rays", "fan", "facets"):
+    if display not in DISPLAYS:
+        raise InputError(f"must be one of {', '.join(DISPLAYS)}", key="what", value=display)
+    if display in ("rays", "fan", "facets"):
         from gemrender.observation import Model
 
         model = Model.of(stone, fresnel=fresnel, rear=rear, intensity=intensity)
-        if what == "facets":
+        if display == "facets":
             from gemrender.report.facets import facets_figure
 
             return facets_figure(stone, colour=colour, model=model)
-        if what == "rays":
+        if display == "rays":
             return rays_figure(stone, at, model=model, azimuth_deg=azimuth_deg)
         return fan_figure(stone, azimuth_deg=azimuth_deg, rays=rays, model=model)
-    if what == "map":
+    if display == "map":
         return _map(stone, observation, engine=engine, variant=variant, resolution=resolution,
                     fresnel=fresnel, rear=rear, intensity=intensity)  # fmt: skip
-    if stone.labelled_vertices is None and what != "shape":
-        raise InputError(
-            "needs the 57 vertices, which a stone with tilted facets lacks", key="what", value=what
-        )
-    return _drawing(stone, what)
+    return _drawing(stone, display)
 
 
 def write_display(
     stone: Stone,
-    what: str,
+    display: str,
     folder: str | os.PathLike[str],
     stem: str,
     *,
     formats: Iterable[str] = ("png",),
     **options: Any,
 ) -> list[Path]:
-    """Draw one display of a stone and write it as `stem`-`what`.png, .svg or .pdf: all of them or none.
+    """Draw one display of a stone and write it as `stem`-`display`.png, .svg or .pdf: all of them or none.
 
     Parameters
     ----------
-    stone, what
+    stone, display
         As for `draw`.
     folder : path
         A folder that can be written (`files.prepare_folder`).
@@ -136,11 +133,11 @@ def write_display(
     for ending in endings:
         if ending not in FORMATS:
             raise InputError(f"must be one of {', '.join(FORMATS)}", key="format", value=ending)
-    figure = draw(stone, what, **options)
-    title = f"{stone.name}: {what}"
+    figure = draw(stone, display, **options)
+    title = f"{stone.name}: {display}"
     return write_whole(
         Path(folder),
-        {f"{stem}-{what}.{ending}": lambda path: _save(figure, path, title) for ending in endings},
+        {f"{stem}-{display}.{ending}": lambda path: _save(figure, path, title) for ending in endings},
     )
 
 
@@ -158,15 +155,24 @@ def _save(figure: Figure, path: Path, title: str) -> None:
         figure.savefig(path, format=ending, dpi=figure.dpi, metadata=metadata)
 
 
-def _drawing(stone: Stone, what: str) -> Figure:
-    if what == "outline":
-        from gemrender.report.displays.outline import outline_figure as figure
-    elif what == "vertices":
-        from gemrender.report.displays.vertices import vertices_figure as figure
-    elif what == "shape":
+def _drawing(stone: Stone, display: str) -> Figure:
+    is_brilliant = stone.labelled_vertices is not None
+    if display == "shape":
         from gemrender.report.displays.shape import shape_figure as figure
+    elif display == "outline":
+        if is_brilliant:
+            from gemrender.report.brilliant.outline import brilliant_outline_figure as figure
+        else:
+            from gemrender.report.displays.outline import outline_figure as figure
+    elif display == "vertices":
+        if is_brilliant:
+            from gemrender.report.brilliant.vertices import brilliant_vertices_figure as figure
+        else:
+            from gemrender.report.displays.corners import corners_figure as figure
+    elif is_brilliant:
+        from gemrender.report.brilliant.triangles import brilliant_triangles_figure as figure
     else:
-        from gemrender.report.displays.triangles import triangles_figure as figure
+        from gemrender.report.displays.polygons import polygons_figure as figure
     return figure(stone)
 
 

@@ -21,11 +21,11 @@ if TYPE_CHECKING:
 
 __all__ = ["fan_figure", "fan_points"]
 
-SCALE = 3.0  # inch per girdle radius
+SCALE = 3.0  # inch per unit
 
 
 def fan_points(stone: Stone, azimuth_deg: float = 0.0, rays: int = FAN_RAYS) -> np.ndarray:
-    """Return points equally spaced across the diameter along an azimuth, (n, 2) [girdle radius].
+    """Return points equally spaced across the diameter along an azimuth, (n, 2) [stone's unit].
 
     They are the middles of equal parts: none lies on the girdle, and an even number spares the culet.
     """

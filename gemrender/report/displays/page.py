@@ -18,21 +18,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["DARK", "KIND_COLOURS", "PAPER", "Page", "Theme", "draw_lines", "stone_extent", "three_views"]
+__all__ = ["DARK", "PAPER", "Page", "Theme", "draw_lines", "stone_extent", "three_views"]
 
 #: Resolution of PNG files [pixels per inch].
 DPI = 160
-#: Facets by kind: pale tints, apart from each other for eyes with and without colour blindness; numbers and
-#: names tell them apart as well.
-KIND_COLOURS = {
-    "table": "#fdf3c7",
-    "star": "#cfe6f5",
-    "bezel": "#fbdcc4",
-    "upper_girdle": "#d6ecdf",
-    "lower_girdle": "#d3dcf2",
-    "pavilion_main": "#f6d5e3",
-    "girdle": "#e2e2e2",
-}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -108,7 +97,7 @@ class Page:
         scale: float,
         centre: Sequence[float],
     ) -> Axes:
-        """Return an axes in girdle radii, to a scale [inch per girdle radius], its centre in the middle."""
+        """Return an axes in girdle radii, to a scale [inch per unit], its centre in the middle."""
         axes = self.axes(left, bottom, width, height)
         x, y = width / scale / 2, height / scale / 2
         axes.set(xlim=(centre[0] - x, centre[0] + x), ylim=(centre[1] - y, centre[1] + y))
@@ -121,7 +110,7 @@ class Page:
             ha="center", va="baseline", fontsize=12.5, color=self.theme.soft,
         )  # fmt: skip
 
-    def _write_title(self, name: str, what: str) -> None:
+    def _write_title(self, name: str, subject: str) -> None:
         lines = textwrap.wrap(name, 46)
         size = 19.0 if len(lines) == 1 else 13.5
         top = (self.height - self.MARGIN) / self.height
@@ -133,7 +122,13 @@ class Page:
             wanted = title.get_window_extent().width / DPI
         title.set_fontsize(min(size, size * 0.55 * (self.width - 2 * self.MARGIN) / wanted))
         self.figure.text(
-            1 - self.MARGIN / self.width, top, what, fontsize=14, va="top", ha="right", color=self.theme.soft
+            1 - self.MARGIN / self.width,
+            top,
+            subject,
+            fontsize=14,
+            va="top",
+            ha="right",
+            color=self.theme.soft,
         )
         self.figure.text(
             1 - self.MARGIN / self.width, 0.16 / self.height, f"gemrender {gemrender.__version__}",
@@ -142,7 +137,7 @@ class Page:
 
 
 def stone_extent(stone: Stone) -> tuple[float, float, float]:
-    """Return the lowest and highest height and the largest radius of a stone [girdle radius]."""
+    """Return the lowest and highest height and the largest radius of a stone [stone's unit]."""
     low, high = stone.vertices[:, 2].min(), stone.vertices[:, 2].max()
     return float(low), float(high), float(np.hypot(*stone.vertices[:, :2].T).max())
 

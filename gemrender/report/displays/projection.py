@@ -16,6 +16,7 @@ __all__ = [
     "PAVILION",
     "Projection",
     "StoneView",
+    "corners_of",
     "look_at",
     "section",
     "side",
@@ -24,8 +25,9 @@ __all__ = [
 #: Straight pieces of a round girdle in a drawing. Their sagitta, (pi / 256)^2 / 2 = 8e-5 girdle radii, is
 #: less than a line is wide.
 PIECES = 256
-#: Corners closer than this to a labelled vertex are that vertex [stone's unit].
-SAME_VERTEX = 1e-6
+#: Corners closer to each other than this are drawn and counted as one, as they are meant: in designs angles
+#: and distances are rounded, and facets that should meet in a point do so nearly [stone's unit].
+ONE_CORNER = 3e-3
 #: A face whose normal's component to the eye is not above this is seen edge on or from behind: rounding.
 EDGE_ON = 1e-9
 
@@ -52,7 +54,7 @@ class Projection:
         return np.cross(self.right, self.up)
 
     def flat(self, points: np.ndarray) -> np.ndarray:
-        """Return where points (..., 3) lie on the page, (..., 2) [girdle radius]."""
+        """Return where points (..., 3) lie on the page, (..., 2) [stone's unit]."""
         return np.asarray(points @ np.stack([self.right, self.up], axis=-1))
 
 
@@ -84,13 +86,13 @@ class StoneView:
     ----------
     projection : Projection
     visible, outline, hidden : tuple of (n, 2) float64
-        Edges between facets on the near side, where the near side ends, and on the far side [girdle radius].
+        Edges between facets on the near side, where the near side ends, and on the far side [stone's unit].
     facets : tuple of int
-        Visible facets (0 to 57), in ascending order.
+        Visible facets, in ascending order.
     polygons : tuple of (n, 2) float64
         The outline of each visible facet.
-    vertices : tuple of int
-        Visible vertices (0 to 56); none of a stone with tilted facets, which has others.
+    corners : tuple of int
+        Visible corners: their rows in `corners_of`.
     """
 
     projection: Projection
@@ -99,14 +101,14 @@ class StoneView:
     hidden: tuple[np.ndarray, ...]
     facets: tuple[int, ...]
     polygons: tuple[np.ndarray, ...]
-    vertices: tuple[int, ...]
+    corners: tuple[int, ...]
 
 
 def look_at(stone: Stone, projection: Projection) -> StoneView:
     """Tell the visible edges and facets of a stone from the hidden ones.
 
-    An edge is hidden if neither of its two faces is turned to the eye. That is exact for a convex stone;
-    what a measured stone lacks of that is far below a line's width.
+    An edge is hidden if neither of its two faces is turned to the eye. That is exact for a convex stone. Of
+    others, what another part of the stone hides is drawn, too.
     """
     mesh = _mesh(stone)
     near = _face_normals(mesh) @ projection.eye > EDGE_ON
@@ -130,7 +132,9 @@ def look_at(stone: Stone, projection: Projection) -> StoneView:
     }
     facets = np.unique(mesh.face_facet[near])
     polygons = [flat[_boundary(mesh.faces[near & (mesh.face_facet == facet)])] for facet in facets]
-    seen = np.unique(mesh.faces[near])
+    met, corner = _meetings(mesh)
+    seen = np.zeros(len(mesh.vertices), dtype=bool)
+    seen[mesh.faces[near]] = True
     return StoneView(
         projection=projection,
         visible=lines["visible"],
@@ -138,16 +142,32 @@ def look_at(stone: Stone, projection: Projection) -> StoneView:
         hidden=lines["hidden"],
         facets=tuple(facets.tolist()),
         polygons=tuple(polygons),
-        vertices=_labelled(stone, mesh.vertices[seen]),
+        corners=tuple(np.unique(corner[seen[met]]).tolist()),
     )
 
 
-def _labelled(stone: Stone, seen: np.ndarray) -> tuple[int, ...]:
-    """Return the labelled vertices that are among the corners that are seen, (k, 3)."""
-    if stone.labelled_vertices is None:
-        return ()
-    apart = np.abs(stone.labelled_vertices[:, None] - seen).max(axis=-1).min(axis=1)
-    return tuple(np.flatnonzero(apart < SAME_VERTEX).tolist())
+def corners_of(stone: Stone) -> np.ndarray:
+    """Return a stone's corners, (k, 3): where three facets meet and more."""
+    mesh = _mesh(stone)
+    met, corner = _meetings(mesh)
+    count = np.bincount(corner)
+    return np.column_stack([np.bincount(corner, mesh.vertices[met, k]) / count for k in range(3)])
+
+
+def _meetings(mesh: StoneMesh) -> tuple[np.ndarray, np.ndarray]:
+    """Return the vertices where three facets meet and more, (k,), and the corner that each makes (k,).
+
+    Vertices along a round girdle's edges make none.
+    """
+    pairs = np.unique(np.column_stack([mesh.faces.reshape(-1), np.repeat(mesh.face_facet, 3)]), axis=0)
+    met = np.flatnonzero(np.bincount(pairs[:, 0], minlength=len(mesh.vertices)) > 2)
+    points = mesh.vertices[met]
+    corner = np.full(len(met), -1)
+    for number in range(len(met)):
+        if corner[number] < 0:
+            near = np.abs(points - points[number]).max(axis=1) <= ONE_CORNER
+            corner[near & (corner < 0)] = number
+    return met, np.unique(corner, return_inverse=True)[1].reshape(-1)
 
 
 def section(stone: Stone, azimuth_deg: float) -> np.ndarray:
@@ -156,7 +176,7 @@ def section(stone: Stone, azimuth_deg: float) -> np.ndarray:
     Returns
     -------
     (n, 2) float64
-        Distance along the azimuth, and height [girdle radius], in order around the section.
+        Distance along the azimuth, and height [stone's unit], in order around the section.
     """
     mesh = _mesh(stone)
     view = side(azimuth_deg)

@@ -11,6 +11,7 @@ import numpy as np
 from gemrender.errors import InputError
 from gemrender.observation import Model, RayStatus
 from gemrender.reference import RayPath, trace_paths
+from gemrender.report.dimensions import length_unit
 from gemrender.report.displays.labels import Label, place_labels
 from gemrender.report.displays.page import DARK, Page, draw_lines
 from gemrender.report.displays.projection import CROWN, Projection, look_at, side
@@ -41,17 +42,17 @@ __all__ = [
 ]
 
 #: Where none are asked for, three rays are chosen out of so many: of those with few reflections that run
-#: this far along x, y and z [girdle radius].
+#: this far along x, y and z [stone's unit].
 CANDIDATES, FEW_REFLECTIONS, LEAST_SPREAD = 160, 7, 0.4
 #: Most rays in one drawing of paths, and of a fan.
 MOST_POINTS = 100
 FAN_RAYS, MOST_FAN_RAYS = 24, 200
 
-#: Length of a ray outside the stone [girdle radius].
+#: Length of a ray outside the stone [stone's unit].
 OUTSIDE = 0.42
-SCALE = 2.1  # inch per girdle radius
+SCALE = 2.1  # inch per unit
 #: A line of more points is drawn fine and without arrows; so is, without, a piece shorter than this
-#: [girdle radius].
+#: [stone's unit].
 MANY_POINTS, LEAST_WITH_HEAD = 40, 0.16
 _LABEL_SIZE = 11.0
 
@@ -69,7 +70,7 @@ def rays_figure(
     ----------
     stone : Stone
     at : (n, 2) array_like, optional
-        The points [girdle radius].
+        The points [stone's unit].
     model : Model, optional
         The optical model; by default that of the stone's material.
     azimuth_deg : float
@@ -149,6 +150,7 @@ def check_points(stone: Stone, at: Sequence[Sequence[float]] | np.ndarray, model
     InputError
         Not pairs of finite numbers, more than `MOST_POINTS`, or a point outside the stone.
     """
+    unit = length_unit(stone)
     try:
         points = np.array(at, dtype=np.float64)
     except (TypeError, ValueError, OverflowError) as error:
@@ -161,20 +163,19 @@ def check_points(stone: Stone, at: Sequence[Sequence[float]] | np.ndarray, model
         raise InputError(f"must be at most {MOST_POINTS} points, not {len(points)}", key="at")
     if not np.isfinite(points).all():
         wrong = points[~np.isfinite(points).all(axis=1)][0]
-        raise InputError("must be two finite numbers [girdle radius]", key="at", value=tuple(wrong.tolist()))
+        raise InputError(f"must be two finite numbers [{unit}]", key="at", value=tuple(wrong.tolist()))
     # Far outside nothing is traced: there a ray's start would have no digits left.
     near = np.abs(points).max(axis=1) <= 2 * stone.half_width
     paths = trace_paths(stone, np.where(near[:, None], points, 10.0), model=model)
     for point, path in zip(points, paths, strict=True):
         if path.status == RayStatus.MISSED:
-            raise InputError(
-                "lies outside the stone; the girdle's radius is 1", key="at", value=tuple(point.tolist())
-            )
+            known = "the girdle's radius" if unit == "girdle radius" else "half its length"
+            raise InputError(f"lies outside the stone; {known} is 1", key="at", value=tuple(point.tolist()))
     return paths
 
 
 def _extent(stone: Stone, paths: list[RayPath], projection: Projection) -> tuple[np.ndarray, np.ndarray]:
-    """Lower left and upper right corner of the stone and the rays, with room for labels [girdle radius]."""
+    """Lower left and upper right corner of the stone and the rays, with room for labels [stone's unit]."""
     flat = np.concatenate([projection.flat(stone.vertices), *[projection.flat(_route(p)) for p in paths]])
     margin = np.array([0.42, 0.17])
     return flat.min(axis=0) - margin, flat.max(axis=0) + margin

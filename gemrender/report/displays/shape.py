@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = ["shape_figure"]
 
-SCALE = 2.2  # inch per girdle radius
+SCALE = 2.2  # inch per unit
 #: Where the light of the shading comes from, relative to the page: left, up and towards the eye.
 LIGHT = np.array([-0.45, 0.55, 0.70])
 #: Brightness of facets that face the light and that are turned away from it.

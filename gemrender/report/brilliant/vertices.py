@@ -9,6 +9,8 @@ import numpy as np
 from gemrender.cuts.round_brilliant.topology import (
     CONTACT,
     CULET,
+    FACET_POLYGONS,
+    GIRDLE,
     GIRDLE_LOWER,
     GIRDLE_UPPER,
     N_VERTICES,
@@ -24,7 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["VERTEX_CODES", "vertices_figure"]
+__all__ = ["VERTEX_CODES", "brilliant_vertices_figure", "visible_vertices"]
 
 SCALE = 2.2  # inch per girdle radius
 FONT_SIZE = 10.5
@@ -55,7 +57,7 @@ VERTEX_CODES = _codes()
 _COLOURS = tuple(colour for *_, count, _, _, colour in _KINDS for _ in range(count))
 
 
-def vertices_figure(stone: Stone) -> Figure:
+def brilliant_vertices_figure(stone: Stone) -> Figure:
     """Draw the visible vertices of three views with their labels, and what the labels mean."""
 
     def draw(axes: Axes, view: StoneView) -> None:
@@ -90,13 +92,19 @@ def _label_vertices(axes: Axes, stone: Stone, view: StoneView) -> None:
 
 
 def _shown(stone: Stone, view: StoneView) -> list[int]:
-    """Vertices to label: of a measured stone not those at the rim that are just about seen from behind."""
+    """Return the vertices to label: not those at the rim that are just about seen from behind."""
+    seen = visible_vertices(view)
     if view.projection is CROWN:
-        return [v for v in view.vertices if v < GIRDLE_LOWER[0]]
+        return [v for v in seen if v < GIRDLE_LOWER[0]]
     if view.projection is PAVILION:
-        return [v for v in view.vertices if v >= GIRDLE_LOWER[0]]
+        return [v for v in seen if v >= GIRDLE_LOWER[0]]
     depth = stone.vertices @ view.projection.eye
-    return [v for v in view.vertices if depth[v] > -BEHIND]
+    return [v for v in seen if depth[v] > -BEHIND]
+
+
+def visible_vertices(view: StoneView) -> list[int]:
+    """Return the vertices (0 to 56) of the facets that are seen."""
+    return sorted({v for facet in view.facets if facet != GIRDLE for v in FACET_POLYGONS[facet]})
 
 
 def _rank(vertex: int, flat: np.ndarray) -> tuple[int, float]:

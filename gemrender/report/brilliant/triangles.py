@@ -18,15 +18,17 @@ from gemrender.cuts.round_brilliant.topology import (
     TRIANGLES,
 )
 from gemrender.report.displays.labels import Label, fits, place_labels
-from gemrender.report.displays.page import KIND_COLOURS, PAPER, draw_lines, three_views
+from gemrender.report.displays.page import PAPER, draw_lines, three_views
 from gemrender.report.displays.projection import EDGE_ON, StoneView
+from gemrender.report.palettes import BRILLIANT_TINTS, draw_swatch
 from gemrender.stone import Stone
+from gemrender.stone.planes import flat_facets
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["GIRDLE_NUMBER", "triangles_figure", "visible_triangles"]
+__all__ = ["GIRDLE_NUMBER", "brilliant_triangles_figure", "visible_triangles"]
 
 SCALE = 2.45  # inch per girdle radius
 FONT_SIZE = 10.0
@@ -48,7 +50,7 @@ _MEANINGS = {
 }
 
 
-def triangles_figure(stone: Stone) -> Figure:
+def brilliant_triangles_figure(stone: Stone) -> Figure:
     """Draw three views with the number of each visible triangle, and which facets they make."""
     return three_views(
         stone,
@@ -61,12 +63,13 @@ def triangles_figure(stone: Stone) -> Figure:
 
 def visible_triangles(stone: Stone, view: StoneView) -> list[int]:
     """Return the triangles (0 to 77) that are turned to the eye."""
-    return [int(i) for i in np.flatnonzero(stone.triangle_normals @ view.projection.eye > EDGE_ON)]
+    normals = flat_facets(stone.vertices, TRIANGLES, TRIANGLE_FACET)[:, :3]
+    return [int(i) for i in np.flatnonzero(normals @ view.projection.eye > EDGE_ON)]
 
 
 def _draw_triangles(axes: Axes, stone: Stone, view: StoneView) -> None:
     for facet, polygon in zip(view.facets, view.polygons, strict=True):
-        colour = KIND_COLOURS[FACET_KINDS[facet]]
+        colour = BRILLIANT_TINTS[FACET_KINDS[facet]]
         axes.fill(*polygon.T, facecolor=colour, edgecolor=colour, linewidth=0.4, zorder=1)
     shown = visible_triangles(stone, view)
     flat = view.projection.flat(stone.vertices)
@@ -145,13 +148,7 @@ def _draw_legend(axes: Axes) -> None:
         facets = [i for i, other in enumerate(FACET_KINDS) if other == kind]
         numbers = np.flatnonzero(np.isin(TRIANGLE_FACET, facets)) + 1
         text = f"{numbers[0]} – {numbers[-1]}" if numbers.size else f"{GIRDLE_NUMBER}"
-        axes.add_patch(_swatch(0.45, y - 0.05, KIND_COLOURS[kind]))
+        draw_swatch(axes, 0.45, y - 0.05, BRILLIANT_TINTS[kind])
         axes.text(0.95, y, text, fontsize=12, fontweight="bold")
         axes.text(2.35, y, f"{len(facets)}", fontsize=12, ha="right")
         axes.text(2.5, y, _MEANINGS[kind], fontsize=12)
-
-
-def _swatch(x: float, y: float, colour: str) -> object:
-    from matplotlib.patches import Rectangle
-
-    return Rectangle((x, y), 0.32, 0.22, facecolor=colour, edgecolor=PAPER.soft, linewidth=0.7)

@@ -1,0 +1,115 @@
+"""Derivatives of a design's scores by angle and distance of each tier: everything is polygons, so exact."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from gemrender.beam.budget import Budget
+from gemrender.beam.compiled import STEP
+from gemrender.beam.derivatives import Derivative, Sensitivity, facet_totals, result
+from gemrender.beam.facets import trace_facets
+from gemrender.beam.solid import beam_stone
+from gemrender.cuts.design import Design
+from gemrender.errors import InputError
+from gemrender.observation import LIGHT_LEVEL, Model, View
+from gemrender.stone import Stone
+
+__all__ = ["by_tiers", "tier_planes"]
+
+
+def tier_planes(stone: Stone, design: Design, tier: int, quantity: str) -> np.ndarray:
+    """Return a design's planes, (p, 4) complex128, with their derivatives by a tier's angle or distance.
+
+    Parameters
+    ----------
+    stone : Stone
+        The stone of the design.
+    design : Design
+        The design.
+    tier : int
+        Number of the tier, from 0.
+    quantity : {"angle_deg", "distance"}
+        By the angle [1/deg], or by the distance [1 per unit of the design].
+
+    Notes
+    -----
+    The frame stays where it is: scores do not depend on it.
+    """
+    value = complex(getattr(design.tiers[tier], quantity), STEP)
+    moved = design.with_tier(tier, **{quantity: value}).planes()
+    number = {name: k for k, name in enumerate(design.facet_names())}
+    moved = moved[[number[facet.name] for facet in stone.facets]]
+    normals, offsets = moved[:, :3].real, moved[:, 3].real
+    # The frame is what takes the design's planes to the stone's: offsets = (d - n . origin) / unit.
+    system = np.column_stack([normals, stone.solid.planes[:, 3]])
+    *origin, unit = np.linalg.lstsq(system, offsets, rcond=None)[0]
+    return np.column_stack([moved[:, :3], (moved[:, 3] - moved[:, :3] @ np.array(origin)) / unit])
+
+
+def by_tiers(
+    stone: Stone,
+    design: Design,
+    view: View,
+    model: Model,
+    budget: Budget,
+    progress: Callable[[float], None] | None,
+    start: float,
+) -> Sensitivity:
+    """Differentiate by angle and distance of each tier that has facets on the stone."""
+    if model.rear == "position":
+        # The same, where the girdle's lower edge is level; it does not stay so when one tier moves.
+        model = replace(model, rear="facet")
+    ready = beam_stone(stone)
+    facets = trace_facets(ready, view=view, model=model, budget=budget)
+    if facets.left_over:
+        raise InputError(
+            f"falls into more virtual facets than can be differentiated: {facets.why_left_over}",
+            source=stone.source or stone.name,
+        )
+    number = {name: k for k, name in enumerate(design.facet_names())}
+    of_tier = design.facet_tiers
+    tiers = sorted({int(of_tier[number[facet.name]]) for facet in stone.facets})
+    parameters = []
+    for tier in tiers:
+        angle = abs(complex(design.tiers[tier].angle_deg).real)
+        if 0.0 < angle < 90.0:  # tables and girdle facets are level, or stand upright
+            parameters.append((tier, "angle_deg"))
+        parameters.append((tier, "distance"))
+    names, unit = design.tier_names(), design_unit(stone, design)
+    derivatives = []
+    light = rear = area = 0.0
+    for done, (tier, quantity) in enumerate(parameters, start=1):
+        planes = tier_planes(stone, design, tier, quantity)
+        totals = facet_totals(ready, planes, view=view, model=model, whole=True)
+        light, rear, area = (float(x) for x in totals.real[:3])
+        # A distance counts in per cent of the stone's unit.
+        slopes = totals.imag[:3] / STEP * (1.0 if quantity == "angle_deg" else 0.01 * unit)
+        average, lost = (
+            float(LIGHT_LEVEL * (slope - part / area * slopes[2]) / area)
+            for slope, part in ((slopes[0], light), (slopes[1], rear))
+        )
+        derivatives.append(
+            Derivative(
+                parameter=f"{names[tier]} {'angle' if quantity == 'angle_deg' else 'distance'}",
+                kept="tiers",
+                unit="deg" if quantity == "angle_deg" else "%",
+                average=average,
+                rear=lost,
+                average_bound=0.0,
+                rear_bound=0.0,
+            )
+        )
+        if progress is not None:
+            progress(done / len(parameters))
+    scores = LIGHT_LEVEL * light / area, LIGHT_LEVEL * rear / area
+    return result(stone, view, model, scores, derivatives, 0.0, start)
+
+
+def design_unit(stone: Stone, design: Design) -> float:
+    """Return the stone's unit of length in that of its design."""
+    outline = np.ptp(stone.solid.vertices[:, :2], axis=0).max()
+    corners = np.concatenate([c for c in design.corners() if len(c)])
+    return float(np.ptp(corners[:, :2], axis=0).max() / outline)

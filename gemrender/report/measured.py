@@ -1,0 +1,227 @@
+"""What the outline of any stone measures: length, width, table, crown, girdle, pavilion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from gemrender.stone import ConvexSolid, MeshSolid, Stone
+from gemrender.stone.facets import CROWN, GIRDLE, LEVEL, PAVILION
+
+__all__ = ["Dimension", "measured_dimensions"]
+
+#: Girdle pieces that lean or lie apart by less are one plane [stone's unit].
+_SAME_PLANE = 1e-7
+#: Level facets that stand for a round girdle: their ends, where it is thickest and thinnest, are on it.
+_PIECES = 256
+#: Edges of a smaller length are rounding [stone's unit].
+_LEAST_LENGTH = 1e-7
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Dimension:
+    """A dimension of a stone: of a measured one the mean of its values, and their spread.
+
+    Attributes
+    ----------
+    symbol, name, unit : str
+        A symbol ("" if it has none), the field's name, and "%", "°" or "" for a ratio.
+    value, least, most : float
+        Mean, smallest and largest value; all the same where there is only one.
+    """
+
+    symbol: str
+    name: str
+    unit: str
+    value: float
+    least: float
+    most: float
+
+    @classmethod
+    def of(cls, symbol: str, name: str, unit: str, values: Any) -> Dimension:
+        """Return the dimension that has these values, (n,) or one."""
+        every = np.atleast_1d(values)
+        mean, least, most = float(every.mean()), float(every.min()), float(every.max())
+        return cls(symbol=symbol, name=name, unit=unit, value=mean, least=least, most=most)
+
+    @property
+    def text(self) -> str:
+        """The value as it is written."""
+        if self.symbol == "SU":
+            a = self.value if self.least == self.most else round(self.value, 1)
+            return f"{_short(a)} : {_short(100 - a)}"
+        if not self.unit:
+            return f"{self.value:.3f}"
+        return f"{self.value:.2f}{'°' if self.unit == '°' else ' %'}"
+
+    @property
+    def spread(self) -> str:
+        """The range of several values, as it is written; "" if there is none."""
+        digits = 1 if self.symbol == "SU" else 2
+        least, most = f"{self.least:.{digits}f}", f"{self.most:.{digits}f}"
+        return "" if least == most else f"{least} – {most}"
+
+
+def measured_dimensions(stone: Stone) -> dict[str, Dimension]:
+    """Return what any stone measures, in per cent of its width.
+
+    Length and width are the longer and the shorter side of the outline's bounding box. The table is as wide
+    as it is along the width. The crown is high above the highest point of the girdle's upper edge, the
+    pavilion deep below the lowest point of its lower edge; without a girdle, of the edge between both. The
+    girdle's thickness is told from its thinnest to its thickest place, and its mean along the outline.
+
+    Returns
+    -------
+    dict of str to Dimension
+        length, width, length_to_width, table (where there is one), crown_height, girdle_thickness,
+        pavilion_depth, total_depth.
+    """
+    corners = stone.solid.vertices
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    if stone.is_round:
+        low[:2], high[:2] = -1.0, 1.0
+    sides = (high - low)[:2]
+    across = int(sides.argmin())
+    length, width = float(sides.max()), float(sides.min())
+    upper, lower = _girdle_heights(stone)
+    thickness, mean = _girdle_thickness(stone)
+    percent = 100.0 / width
+    girdle = Dimension(
+        symbol="GH", name="girdle thickness", unit="%", value=percent * mean,
+        least=percent * min(thickness), most=percent * max(thickness),
+    )  # fmt: skip
+    table = _table_width(stone, across)
+    return {
+        "length": Dimension.of("L", "length", "%", percent * length),
+        "width": Dimension.of("W", "width", "%", 100.0),
+        "length_to_width": Dimension.of("L/W", "length to width", "", length / width),
+        **({} if table is None else {"table": Dimension.of("TB", "table", "%", percent * table)}),
+        "crown_height": Dimension.of("CH", "crown height", "%", percent * (float(high[2]) - upper)),
+        "girdle_thickness": girdle,
+        "pavilion_depth": Dimension.of("PD", "pavilion depth", "%", percent * (lower - float(low[2]))),
+        "total_depth": Dimension.of("TD", "total depth", "%", percent * float(high[2] - low[2])),
+    }
+
+
+# ---- The girdle ----------------------------------------------------------------------------------------
+
+
+def _sides(stone: Stone) -> tuple[np.ndarray, list[np.ndarray], np.ndarray]:
+    """Return corners (v, 3), polygons (their corners' numbers, anticlockwise), and the side of each."""
+    solid = stone.solid
+    of_facet = np.array(stone.facet_sides)
+    if isinstance(solid, MeshSolid):
+        return solid.vertices, list(solid.triangles), of_facet[solid.facet]
+    body = solid.cut(_PIECES) if solid.is_round else solid.polyhedron
+    facet = np.full(len(body.planes), solid.n_facets - 1)
+    facet[: len(solid.facet)] = solid.facet
+    bounds = np.flatnonzero(body.bounds)
+    return body.vertices, [body.polygon(int(i)) for i in bounds], of_facet[facet[bounds]]
+
+
+def _girdle_heights(stone: Stone) -> tuple[float, float]:
+    """Return the highest point of the crown's lower edge, and the lowest of the pavilion's upper edge."""
+    vertices, polygons, sides = _sides(stone)
+    touched = {side: np.zeros(len(vertices), dtype=bool) for side in (CROWN, GIRDLE, PAVILION)}
+    for polygon, side in zip(polygons, sides, strict=True):
+        touched[side][polygon] = True
+    heights = vertices[:, 2]
+    upper = touched[CROWN] & (touched[GIRDLE] | touched[PAVILION])
+    lower = touched[PAVILION] & (touched[GIRDLE] | touched[CROWN])
+    # A slab has neither crown nor pavilion: its girdle goes from the one face to the other.
+    top = heights[upper].max() if upper.any() else heights.max()
+    bottom = heights[lower].min() if lower.any() else heights.min()
+    return float(top), float(bottom)
+
+
+def _girdle_thickness(stone: Stone) -> tuple[list[float], float]:
+    """Return the girdle's thickness wherever an edge begins or ends, and its mean along the outline."""
+    vertices, polygons, sides = _sides(stone)
+    pieces = [vertices[polygon] for polygon, side in zip(polygons, sides, strict=True) if side == GIRDLE]
+    if isinstance(stone.solid, MeshSolid):
+        pieces_of_walls = _by_plane(pieces)
+    else:
+        pieces_of_walls = [[piece] for piece in pieces]
+    thickness, area, around = [], 0.0, 0.0
+    for wall in pieces_of_walls:
+        along = _along(wall)
+        edges = np.concatenate([np.stack([p, np.roll(p, -1, axis=0)], axis=1) for p in wall])
+        flat = np.stack([edges @ along, edges[..., 2]], axis=-1)
+        places = np.unique(flat[..., 0].round(12))
+        heights = np.array([_height_at(flat, place) for place in places])
+        thickness += heights.tolist()
+        area += 0.5 * float(np.diff(places) @ (heights[1:] + heights[:-1]))
+        around += float(np.ptp(places))
+    if _has_knife_edge(vertices, polygons, sides) or not thickness:
+        thickness.append(0.0)
+    return thickness, area / around if around else 0.0
+
+
+def _by_plane(pieces: list[np.ndarray]) -> list[list[np.ndarray]]:
+    """Gather triangles (3, 3) that lie in one plane."""
+    walls: dict[tuple[int, ...], list[np.ndarray]] = {}
+    for piece in pieces:
+        normal = np.cross(piece[1] - piece[0], piece[2] - piece[0])
+        normal /= np.linalg.norm(normal)
+        key = (*np.rint(normal / (10 * _SAME_PLANE)), np.rint(normal @ piece[0] / (10 * _SAME_PLANE)))
+        walls.setdefault(tuple(int(number) for number in key), []).append(piece)
+    return list(walls.values())
+
+
+def _along(wall: list[np.ndarray]) -> np.ndarray:
+    """Return the level direction in which a wall runs, (3,)."""
+    points = np.concatenate(wall)
+    level = points[:, :2] - points[0, :2]
+    far = level[np.hypot(*level.T).argmax()]
+    return np.array([*far / np.hypot(*far), 0.0])
+
+
+def _height_at(edges: np.ndarray, place: float) -> float:
+    """Return how high a wall of edges (n, 2, 2) is at a place along it."""
+    start, end = edges[:, 0], edges[:, 1]
+    span = end[:, 0] - start[:, 0]
+    near = (np.minimum(start[:, 0], end[:, 0]) <= place + _LEAST_LENGTH) & (
+        np.maximum(start[:, 0], end[:, 0]) >= place - _LEAST_LENGTH
+    )
+    start, end, span = start[near], end[near], span[near]
+    upright = np.abs(span) <= _LEAST_LENGTH
+    share = np.clip((place - start[:, 0]) / np.where(upright, 1.0, span), 0.0, 1.0)
+    between = start[:, 1] + share * (end[:, 1] - start[:, 1])
+    heights = np.concatenate([between[~upright], start[upright, 1], end[upright, 1]])
+    return float(np.ptp(heights))
+
+
+def _has_knife_edge(vertices: np.ndarray, polygons: list[np.ndarray], sides: np.ndarray) -> bool:
+    """Whether crown and pavilion meet along an edge: there the girdle has no thickness."""
+    edges: dict[tuple[int, int], str] = {}
+    for polygon, side in zip(polygons, sides, strict=True):
+        if side == GIRDLE:
+            continue
+        for a, b in zip(polygon.tolist(), np.roll(polygon, -1).tolist(), strict=True):
+            other = edges.setdefault((b, a), side) if (b, a) in edges else edges.setdefault((a, b), side)
+            if other != side and np.linalg.norm(vertices[a] - vertices[b]) > _LEAST_LENGTH:
+                return True
+    return False
+
+
+def _table_width(stone: Stone, axis: int) -> float | None:
+    """Return how far the table reaches along x (0) or y (1); None where no crown facet is level."""
+    solid = stone.solid
+    normals = stone.facet_normals
+    level = [number for number in range(len(normals)) if normals[number, 2] > 1.0 - LEVEL]
+    if not level:
+        return None
+    table = max(level, key=lambda number: solid.areas[number])
+    if isinstance(solid, ConvexSolid):
+        planes = np.flatnonzero(solid.facet == table)
+        corners = np.concatenate([solid.polyhedron.polygon(int(plane)) for plane in planes])
+    else:
+        corners = solid.triangles[solid.facet == table].reshape(-1)
+    return float(np.ptp(solid.vertices[corners, axis]))
+
+
+def _short(number: float) -> str:
+    """Write a share without zeros that say nothing."""
+    return f"{number:.2f}".rstrip("0").rstrip(".")
