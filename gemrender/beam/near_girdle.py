@@ -39,7 +39,7 @@ _SMALL, _FEWEST = 2e-3, 8
 #: Rays of a set that are traced at a time, between two reports of progress.
 _BLOCK = 1 << 14
 #: Fewer rays than this are not worth a thread.
-_THREAD_RAYS = 3_000
+_THREAD_RAYS = 20_000
 
 
 class NearGirdle:
@@ -81,7 +81,7 @@ class NearGirdle:
         self.cell_area = cells.area
         seen = float(facets.area.sum())
         is_round = facets.stone.is_round  # else polygons tell all of the view
-        self.view_area = view_area(facets.stone, facets.view) / facets.parts if is_round else seen
+        self.view_area = view_area(ready, facets.view) / facets.parts if is_round else seen
         self.rim_area = max(self.view_area - seen, 0.0)
 
     def numbers(self, rays: int) -> tuple[int, int]:
