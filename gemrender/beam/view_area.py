@@ -15,18 +15,18 @@ __all__ = ["view_area"]
 _UP, _RIGHT = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
 
 
-def view_area(ready: BeamStone, view: View) -> float:
+def view_area(convex: BeamStone, view: View) -> float:
     """Return the area of a convex stone's view [girdle radius^2].
 
     It is what the surface shows towards the eye: of plane facets their areas times the cosine, and of a round
     girdle the integral of its height times the cosine. Both are known in closed form, since seen along the
     axis a facet is a polygon that the unit circle cuts.
     """
-    solid, eye = ready.stone.solid, view.basis()[2]
+    solid, eye = convex.stone.solid, view.basis()[2]
     assert isinstance(solid, ConvexSolid)
     if not solid.is_round:
         return float(np.maximum(solid.polyhedron.crosses @ eye, 0.0).sum())
-    planes, total = ready.solid.values, 0.0
+    planes, total = convex.solid.values, 0.0
     side = np.hypot(eye[0], eye[1])
     across = float(np.arctan2(eye[1], eye[0]))
     towards = np.array([[np.cos(across), np.sin(across)], [-np.sin(across), np.cos(across)]])
@@ -35,7 +35,7 @@ def view_area(ready: BeamStone, view: View) -> float:
         total += float(np.maximum(solid.polyhedron.crosses[: len(planes)][level] @ eye, 0.0).sum())
     for end in (1.0, -1.0) if side else (1.0,):
         basis = np.stack([_RIGHT, end * np.array([0.0, 1.0, 0.0]), end * _UP])
-        outlines, ends = seen_outlines(ready.solid._replace(rim=NO_WEDGE), basis)
+        outlines, ends = seen_outlines(convex.solid._replace(rim=NO_WEDGE), basis)
         of, start, stop = _edges(outlines * [1.0, end], ends, end)
         inside, from_angle, to_angle = _within_circle(start, stop)
         plane = planes[of]
