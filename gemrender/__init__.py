@@ -52,7 +52,9 @@ __all__ = [
     "mitsuba",
     "observe",
     "score",
+    "save_stone",
     "sensitivity",
+    "stone_from_vertices",
     "trace_facets",
     "vary",
 ]
@@ -68,6 +70,8 @@ _ON_DEMAND = {
     "load_stone": "gemrender.cuts",
     "load_stones": "gemrender.cuts",
     "mitsuba": "gemrender.render.backend",
+    "save_stone": "gemrender.cuts",
+    "stone_from_vertices": "gemrender.cuts",
     "vary": "gemrender.cuts",
     "VirtualFacets": "gemrender.beam",
     "sensitivity": "gemrender.beam.sensitivity",
