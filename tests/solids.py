@@ -8,7 +8,7 @@ import numpy as np
 
 from gemrender.cuts import RoundBrilliant, load_stone, stone_from_vertices
 from gemrender.cuts.round_brilliant.topology import CULET
-from gemrender.stone import Stone, StoneMesh
+from gemrender.stone import Facet, MeshSolid, Stone, StoneMesh, side_of
 
 _STEP = math.pi / 8
 
@@ -22,6 +22,74 @@ def bent_stone(culet: float, *, name: str = "bent", stretched: float = 1.0) -> S
     vertices[CULET, 2] += culet
     vertices[:, 0] *= stretched
     return stone_from_vertices(vertices, name=name)
+
+
+def star_outline(points: int = 5, inner: float = 0.45) -> np.ndarray:
+    """Return the corners of a star about the origin, anticlockwise, (2 points, 2)."""
+    turn = np.pi / 2 + np.pi / points * np.arange(2 * points)
+    radius = np.where(np.arange(2 * points) % 2, inner, 1.0)[:, None]
+    return radius * np.column_stack([np.cos(turn), np.sin(turn)])
+
+
+def heart_outline(cleft: float = 0.3) -> np.ndarray:
+    """Return the corners of a heart with a cleft, anticlockwise, (21, 2); all are seen from the origin."""
+    turn = np.radians(np.linspace(-50, 130, 10))
+    lobe = np.column_stack([0.45 + 0.5 * np.cos(turn), 0.25 + 0.5 * np.sin(turn)])
+    left = lobe[::-1] * [-1, 1]
+    return np.concatenate([lobe, [[0.0, cleft]], left, [[0.0, -0.95]]])
+
+
+def lofted_stone(outline: np.ndarray, rings: list[tuple[float, float]], name: str) -> Stone:
+    """Return a stone of rings of an outline, all of which is seen from the origin; convex only if that is.
+
+    Parameters
+    ----------
+    outline : (n, 2) float64
+        Corners, anticlockwise.
+    rings : list of (scale, height)
+        From the bottom up; a scale of 0 is a tip.
+    """
+    n = len(outline)
+    k, after = np.arange(n), (np.arange(n) + 1) % n
+    vertices = np.concatenate([np.column_stack([scale * outline, np.full(n, z)]) for scale, z in rings])
+    bottom, top = len(vertices), len(vertices) + 1
+    vertices = np.concatenate([vertices, [(0, 0, rings[0][1]), (0, 0, rings[-1][1])]])
+    triangles, facet, count = [], [], 0
+    for ring in range(len(rings) - 1):
+        low, high = ring * n, (ring + 1) * n
+        for side in ((low + k, low + after, high + after), (low + k, high + after, high + k)):
+            triangles.append(np.column_stack(side))
+            facet.append(count + k)
+        count += n
+    last = (len(rings) - 1) * n
+    for tip, ends, scale in (
+        (bottom, (after, k), rings[0][0]),
+        (top, (last + k, last + after), rings[-1][0]),
+    ):
+        triangles.append(np.column_stack([np.full(n, tip), *ends]))
+        facet.append(np.full(n, count))
+        count += scale > 0
+    faces, facet = np.concatenate(triangles), np.concatenate(facet)
+    corners = vertices[faces]
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    faces, facet = faces[area > 1e-12], np.unique(facet[area > 1e-12], return_inverse=True)[1]
+    # The corners of a tip are one.
+    places, number = np.unique(np.round(vertices, 12), axis=0, return_inverse=True)
+    used, faces = np.unique(number.reshape(-1)[faces], return_inverse=True)
+    solid = MeshSolid(vertices=places[used], triangles=faces.reshape(-1, 3), facet=facet)
+    first = np.unique(facet, return_index=True)[1]
+    facets = [Facet(f"f_{i}", "f", side_of(solid.planes[row, 2])) for i, row in enumerate(first)]
+    return Stone(solid=solid, facets=tuple(facets), name=name)
+
+
+def star_prism() -> Stone:
+    """Return a prism over a star: five grooves with an angle of 144 degrees outside."""
+    return lofted_stone(star_outline(), [(1.0, -0.25), (1.0, 0.25)], "star prism")
+
+
+def cleft_heart() -> Stone:
+    """Return a heart with a table, a girdle, a keel and a cleft that goes in from above to below."""
+    return lofted_stone(heart_outline(), [(0.0, -0.7), (1.0, 0.0), (1.0, 0.06), (0.6, 0.3)], "cleft heart")
 
 
 def assert_closed(mesh: StoneMesh) -> None:

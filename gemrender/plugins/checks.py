@@ -28,7 +28,7 @@ _TOUCHING = 1e-5
 _SUNK = 1e-3
 #: How many of them are named.
 _TOLD = 5
-#: How far a vertex of a round girdle may be beside its cylinder [girdle radius]: on the chords it is cut into.
+#: How far a vertex of a round girdle may be from its cylinder [girdle radius]: on the chords it is cut into.
 _BESIDE = 1e-5
 #: A camera's rays are looked at in a grid of so many by so many.
 _RAYS = 9

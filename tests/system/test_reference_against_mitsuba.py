@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from critical import at_critical_angle
 from physics_tolerances import COORDINATE, ONE_DECIMAL, SAME_PATH, SAMPLING_512
+from solids import bent_stone, cleft_heart, star_prism
 
 import gemrender.render.observe as by_mitsuba
 from gemrender import Model, RayStatus, RoundBrilliant, Stone, View, load_stone
@@ -84,6 +85,24 @@ def test_measured_stone(variant_llvm_ad_mono, rng):
     stone = stone_from_vertices(sample().vertices() + rng.normal(scale=1e-3, size=(N_VERTICES, 3)))
     assert not stone.is_round
     assert_agree(stone)
+
+
+@pytest.mark.parametrize(
+    ("stone", "index"), [(star_prism(), 1.54), (cleft_heart(), 1.54), (cleft_heart(), 2.4)]
+)
+@pytest.mark.parametrize("tilt_deg", [0.0, 25.0])
+def test_stones_that_are_not_convex(variant_llvm_ad_mono, stone, index, tilt_deg):
+    seen, _ = assert_agree(
+        stone, 96, Model.of(stone, index=index, fresnel="exact"), tilt_deg=tilt_deg, tilt_azimuth_deg=70.0
+    )
+    assert len(np.unique(seen.exit_facet)) > 8 if tilt_deg else 2
+
+
+def test_hollow_measured_stone(variant_llvm_ad_mono):
+    stone = bent_stone(0.003)
+    assert not stone.is_convex
+    # Tilted: on a plane of symmetry either of two mirror images of a path is right
+    assert_agree(stone, 64, tilt_deg=7.0, tilt_azimuth_deg=20.0)
 
 
 def test_tilted_view(variant_llvm_ad_mono):

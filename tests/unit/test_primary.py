@@ -10,8 +10,11 @@ import numpy as np
 import pytest
 from manuals import code_tab
 from physics_tolerances import SINGLE_RADIANCE
+from solids import cleft_heart
 
 from gemrender import Model, RayStatus, View, load_stone, observe
+from gemrender.errors import InputError
+from gemrender.render.observe import film_rays
 from gemrender.scene import stone_scene
 
 #: The manual's list of channels, in order.
@@ -218,6 +221,45 @@ def test_colour_is_the_same_at_all_wavelengths(variant_llvm_ad_rgb):
     np.testing.assert_array_equal(image[..., 0], image[..., 2])
     lit = image[..., 0] > 0
     assert lit.any()
+
+
+# ---- Other stones --------------------------------------------------------------------------------------
+
+
+def test_a_stone_hides_the_light_behind_its_own_edge(variant_llvm_ad_mono):
+    # What leaves one lobe of the heart towards the other does not see the sky; the maps do not mind.
+    stone = cleft_heart()
+    view, model = View.of(stone, SIZE), Model.of(stone, index=1.54, fresnel="exact")
+    scene = mi.load_dict(stone_scene(stone, view, model) | {"light": FURNACE})
+    radiance, aov = channels(scene)
+    lit = aov["status"] == RayStatus.EXITED
+    hidden = lit & (radiance == 0)
+    assert 0 < hidden.sum() < 0.1 * lit.sum()
+    # They leave inwards: towards the cleft's plane x = 0
+    assert (aov["exit.x"][hidden] * aov["exit.dx"][hidden] < 0).all()
+    seen = observe(stone, engine="mitsuba", resolution=SIZE, model=model)
+    np.testing.assert_array_equal(aov["primary.intensity"], seen.primary_intensity)
+
+
+def measured(scene):
+    return scene.integrator().measure(scene, film_rays(scene.sensors()[0]))
+
+
+def test_a_stone_that_was_moved_is_refused(variant_llvm_ad_mono):
+    parts = stone_scene(STONE, VIEW, Model())
+    corners = mi.traverse(parts["stone"])
+    corners["vertex_positions"] = corners["vertex_positions"] * 1.0001
+    corners.update()
+    told = "stone = 'stone': must stand where its planes do; it has been moved since they were written"
+    with pytest.raises(InputError, match=told):
+        measured(mi.load_dict(parts))
+    scene = scene_of()
+    measured(scene)  # remembers that all is well, until it is not
+    changed = mi.traverse(scene)
+    changed["stone.vertex_positions"] = changed["stone.vertex_positions"] + 0.01
+    changed.update()
+    with pytest.raises(InputError, match=told):
+        measured(scene)
 
 
 # ---- Bad values ----------------------------------------------------------------------------------------

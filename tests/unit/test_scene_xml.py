@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from observations import ROOT, STONE, run_python
 from physics_tolerances import ROUNDING, SINGLE
+from solids import cleft_heart
 
 import gemrender
 from gemrender.cuts import stone_from_vertices
@@ -19,6 +20,7 @@ from gemrender.stone import Stone
 #: The scene that is in the repository, and the command that writes it.
 COMMITTED = ROOT / "scenes" / "inoue-3.xml"
 RESOLUTION = 512
+PEAR = gemrender.load_stone(ROOT / "tests" / "cases" / "stones" / "pear.asc")
 COMMAND = f"gemrender scene inoue-3 --out scenes --resolution {RESOLUTION}"
 
 
@@ -90,6 +92,13 @@ def test_all_options_survive(tmp_path, variant_llvm_ad_mono):
     model = Model.of(stone, fresnel="exact", rear="direction", intensity="radiance")
     path = write_scene(tmp_path, "stone", stone, view, model)
     assert_renders_as(path, gemrender.observe(stone, engine="mitsuba", view=view, model=model))
+
+
+@pytest.mark.parametrize("stone", [PEAR, cleft_heart()], ids=["pear", "heart"])
+def test_stones_of_other_cuts_survive(tmp_path, variant_llvm_ad_mono, stone):
+    model = Model.of(stone, index=1.54)
+    path = write_scene(tmp_path, "stone", stone, View.of(stone, 64), model)
+    assert_renders_as(path, gemrender.observe(stone, engine="mitsuba", resolution=64, model=model))
 
 
 def test_names_may_be_of_any_script(tmp_path, variant_llvm_ad_mono):
