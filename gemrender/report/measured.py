@@ -204,7 +204,7 @@ def _has_knife_edge(vertices: np.ndarray, polygons: list[np.ndarray], sides: np.
             continue
         for a, b in zip(polygon.tolist(), np.roll(polygon, -1).tolist(), strict=True):
             other = edges.setdefault((b, a), side) if (b, a) in edges else edges.setdefault((a, b), side)
-            if other != side and np.linalg.norm(vertices[a] - vertices[b]) > _LEAST_LENGTH:
+            if other != side and np.linalg.norm(vertices[a] - vertices[b]) > _CHAMFER:
                 return True
     return False
 
