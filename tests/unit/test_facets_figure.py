@@ -46,7 +46,7 @@ ROUNDING = 1e-9
 TOLD_APART = 10.0
 #: The same of ten tiers, which are more than can be ten apart for every eye.
 TIERS_APART = 7.5
-#: Least difference in lightness (CIE L*) of light and rear light through one tier: four times what is noticed.
+#: Least difference in lightness (CIE L*) of light and rear light through one tier: plainly seen.
 DARKER = 10.0
 
 #: Bundled stones from above, light near the girdle, a tilted eye, tilted facets and an oval girdle.
