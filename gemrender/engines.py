@@ -121,7 +121,7 @@ def require_engine(
         for stone in stones:
             if engine_for(engine, stone) == "exact":
                 beam.beam_stone(stone)
-        beam.prepare()
+        beam.prepare(rays=not stones or any(stone.is_round for stone in stones))
 
 
 def observe(

@@ -42,7 +42,7 @@ _TRACES = 12
 #: the same ones on both sides, told by their area, which may differ by this share from what it should be.
 _QUOTIENT_STEPS, _SAME_CELLS = (0.05, 0.02, 0.01, 0.005), 0.02
 #: Rays of each set and side at first and at the most, and by how much they are increased.
-_RAYS, _MOST_RAYS, _MORE = 512, 8192, 4
+_RAYS, _MOST_RAYS, _MORE = 1024, 8192, 4
 
 
 def proportion_planes(proportions: RoundBrilliant, parameter: str) -> np.ndarray:

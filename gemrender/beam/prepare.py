@@ -2,38 +2,52 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache
 from typing import Any
 
 from numba.core.registry import cpu_target
 
-from gemrender.beam import maps, polygons, rays, rim
+from gemrender.beam import polygons, rim
+from gemrender.beam import rays as ray_kernels
 from gemrender.beam.cache import KernelCache
-from gemrender.beam.maps import observe
+from gemrender.beam.facets import trace_facets
+from gemrender.beam.measure import measure
 from gemrender.cuts import RoundBrilliant
-from gemrender.observation import View
 from gemrender.stone import Stone
 
 __all__ = ["damaged_cache_files", "is_compiled", "prepare"]
 
 
-@lru_cache(maxsize=1)
-def prepare() -> None:
-    """Compile or load every kernel that scores and maps need: ten seconds once, then 0.2 s a process."""
+@cache
+def prepare(*, rays: bool = True) -> None:
+    """Compile or load the kernels that scores need: some seconds once, then 0.2 s a process.
+
+    Parameters
+    ----------
+    rays : bool
+        Whether those of single rays too, which stones without a round girdle seldom need.
+    """
     proportions = RoundBrilliant(
         table=57, star=50, lower_girdle_contact=20, crown_height=14.5, pavilion_depth=43, girdle_thickness=3
     )
-    observe(Stone.from_proportions(proportions), View(resolution=4), bound=10.0)
+    stone = Stone.from_proportions(proportions)
+    if rays:
+        measure(stone, bound=10.0)
+    else:
+        trace_facets(stone, whole=False)
 
 
 def is_compiled() -> bool:
     """Return whether `prepare` has nothing to compile: the kernels are loaded, or whole on disk."""
-    if prepare.cache_info().currsize:
-        return True
     context = cpu_target.target_context
     context.refresh()
     target = context.codegen().magic_tuple()
-    return all(cache is not None and cache.holds(target) for cache in map(_cache, _kernels()))
+
+    def is_there(kernel: Any) -> bool:
+        cache = _cache(kernel)
+        return bool(kernel.signatures) or (cache is not None and cache.holds(target))
+
+    return all(map(is_there, _kernels()))
 
 
 def damaged_cache_files() -> list[str]:
@@ -44,9 +58,12 @@ def damaged_cache_files() -> list[str]:
 def _kernels() -> tuple[Any, ...]:
     """Return the kernels that Python calls; they hold those that they call."""
     return (
-        polygons.see_facets, polygons.follow_polygons, rim.rim_points, rays.enter_rays, rays.follow_rays,
-        maps._draw,
-    )  # fmt: skip
+        polygons.see_facets,
+        polygons.follow_polygons,
+        rim.line_points,
+        ray_kernels.enter_rays,
+        ray_kernels.follow_rays,
+    )
 
 
 def _cache(kernel: Any) -> KernelCache | None:

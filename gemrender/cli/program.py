@@ -58,8 +58,8 @@ app = typer.Typer(
 )
 
 for _command in (
-    score, inspect, compare, sensitivity, show, report, render, symmetry, crosscheck, scene, convert, stones,
-    setups, materials, doctor,
+    score, compare, sensitivity, show, report, render, symmetry, crosscheck, scene, convert, inspect,
+    stones, setups, materials, doctor,
 ):  # fmt: skip
     app.command()(_command)
 

@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 
 from gemrender.cuts.content import DESIGN_KINDS, SOLID_KINDS, kind_of_file
+from gemrender.cuts.families import families
+from gemrender.cuts.families.parameters import from_values
 from gemrender.cuts.laboratory import DEFAULTS, REPORT_KEYS, missing_parts, read_report
 from gemrender.cuts.load import load_design_file
 from gemrender.cuts.mesh_stone import check_up
@@ -55,7 +57,7 @@ _SECTIONS: dict[str, tuple[str, ...]] = {
 }  # fmt: skip
 #: What only reports state: [angles] with one of them is read as [report] is, as where it lacks the star.
 _OF_REPORTS = ("depth", "girdle", "culet", "shape")
-_SHAPES = ("proportions", "angles", "report", "vertices", "design", "mesh")
+_SHAPES = ("proportions", "angles", "report", "cut", "vertices", "design", "mesh")
 _TOP = ("name", *_SHAPES, "material")
 
 _COLUMNS = ("label", "x", "y", "z")
@@ -192,10 +194,14 @@ def _from_toml(path: Path) -> Stone:
         if not given and any(key not in _TOP for key in top):  # one of them misspelt
             mistakes.refuse()
         if len(given) != 1:
-            allowed = "needs exactly one of [proportions], [angles], [report], vertices, design and mesh"
-            raise InputError(f"{allowed}; has {' and '.join(given) or 'none'}")
+            raise InputError(
+                "needs exactly one of [proportions], [angles], [report], [cut], vertices, design and mesh; "
+                f"has {' and '.join(given) or 'none'}"
+            )
         shape = given[0]
-        if shape == "vertices":
+        if shape == "cut":
+            cut = _cut(top["cut"])
+        elif shape == "vertices":
             vertices = _named_file(top["vertices"], path, "vertices", _A_CSV)
         elif shape == "design":
             design = _named_file(top["design"], path, "design", _a_file(DESIGN_KINDS))
@@ -203,6 +209,10 @@ def _from_toml(path: Path) -> Stone:
             mesh, up = _mesh(top, path, mistakes)
         else:
             proportions, assumed = _proportions(top, shape, mistakes)
+    if shape == "cut":
+        with told_at(source, shape):
+            made: Stone = cut.stone(name=str(name), material=material, source=source, description=shape)
+            return made
     if shape == "vertices":
         return _measured(vertices, name=str(name), material=material, toml=path)
     if shape in ("design", "mesh"):
@@ -314,6 +324,22 @@ def _mesh(top: dict[str, Any], toml: Path, mistakes: Mistakes) -> tuple[Path, st
     up = values.get("up")
     check_up(up, "mesh.up")
     return _named_file(values["file"], toml, "mesh.file", _a_file(SOLID_KINDS)), up
+
+
+def _cut(values: object) -> Any:
+    """Return the cut that [cut] describes: a family by its name, and its parameters."""
+    known = families()
+    allowed = ", ".join(f'"{name}"' for name in known)
+    with told_at(None, "cut"):
+        if not isinstance(values, dict) or "family" not in values:
+            raise InputError(f"missing; must be one of {allowed}", key="family")
+        family = values["family"]
+        name = " ".join(str(family).lower().replace("-", " ").replace("_", " ").split())
+        if name not in known:
+            raise InputError(
+                f"must be one of {allowed}{did_you_mean(name, list(known))}", key="family", value=family
+            )
+        return from_values(known[name], {key: value for key, value in values.items() if key != "family"})
 
 
 def _named_file(value: object, toml: Path, key: str, what: str) -> Path:

@@ -22,6 +22,8 @@ MOST_TRIANGLES = 300_000
 SIX_DIGITS, ALL_DIGITS = 2e-6, 1e-9
 #: So many times the rounding are points on a plane off it, and cracks are wide.
 FLAT = 5.0
+#: Least volume that a surface encloses [share of its box's]; what runs through itself may enclose none.
+LEAST_VOLUME = 1e-6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -230,7 +232,9 @@ def _wound_alike(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     alike = turned == 0
     wound = np.where(alike[:, None], triangles, triangles[:, ::-1])
     about = vertices - vertices.mean(axis=0)
-    volume = (_crosses(about, wound) * about[wound[:, 0]]).sum()
+    volume = (_crosses(about, wound) * about[wound[:, 0]]).sum() / 6.0
+    if abs(volume) < LEAST_VOLUME * float(np.prod(np.ptp(vertices, axis=0))):
+        raise InputError("encloses no volume")
     return np.asarray(alike if volume >= 0 else ~alike)
 
 

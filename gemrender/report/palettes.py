@@ -133,8 +133,8 @@ def kind_tints(stone: Stone) -> dict[tuple[str, str], str]:
     }
 
 
-def draw_swatch(axes: Axes, x: float, y: float, colour: str) -> None:
+def draw_swatch(axes: Axes, x: float, y: float, colour: str, *, height: float = 0.22) -> None:
     """Draw a small field of a colour, its lower left corner there [inch]."""
     from matplotlib.patches import Rectangle
 
-    axes.add_patch(Rectangle((x, y), 0.32, 0.22, facecolor=colour, edgecolor="#5b6874", linewidth=0.7))
+    axes.add_patch(Rectangle((x, y), 0.32, height, facecolor=colour, edgecolor="#5b6874", linewidth=0.7))

@@ -17,7 +17,7 @@ from gemrender.report.displays import draw, write_display
 from gemrender.report.displays.projection import CROWN, PAVILION, corners_of, look_at
 from gemrender.report.facets import facets_figure
 from gemrender.report.palettes import OTHER_KINDS, TIER_COLOURS, exit_colours, kind_tints
-from gemrender.stone import Stone
+from gemrender.stone import Facet, Stone, convex_solid, in_frame, side_of
 
 DRAWINGS = ("outline", "vertices", "shape", "triangles", "rays", "fan")
 NAMES = ("emerald", "pear", "slab-chiral", "hollow")
@@ -141,6 +141,19 @@ def test_tints_go_on_for_any_number_of_tiers():
     tints = kind_tints(stone)
     assert tints.keys() == {(facet.side, facet.kind) for facet in stone.facets}
     assert len({tint for (side, _), tint in tints.items() if side == "girdle"}) == 1
+
+
+def test_of_very_many_corners_those_with_room_are_numbered():
+    """A solid of 300 planes that touch an ellipsoid has some 600 corners."""
+    normals = np.random.default_rng(5).normal(size=(300, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    offsets = np.linalg.norm(normals * (1.0, 0.8, 0.6), axis=1)
+    solid, _ = convex_solid(in_frame(np.column_stack([normals, offsets]))[0], np.arange(300))
+    facets = tuple(Facet(f"F{i}", "F", side_of(plane[2])) for i, plane in enumerate(solid.planes))
+    figure = draw(Stone(solid=solid, facets=facets, material=1.7), "vertices")
+    assert overlaps(figure) == []
+    assert len(figure.axes[0].texts) > 100
+    assert any("have no room for their number" in text for text in texts(figure))
 
 
 # ---- Virtual facets ------------------------------------------------------------------------------------

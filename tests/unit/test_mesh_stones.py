@@ -214,6 +214,13 @@ def test_a_dented_mesh_is_mended_and_refused_as_others_are():
         stone_of_triangles(vertices, fin)
 
 
+def test_a_surface_that_runs_through_itself_and_encloses_nothing_is_refused():
+    """A cube whose upper half is the mirror image of a cube's: what it encloses above is negative."""
+    vertices = CUBE * np.where(CUBE[:, 2:] > 0, (1.0, -1.0, 1.0), 1.0)
+    with pytest.raises(InputError, match="encloses no volume"):
+        stone_of_triangles(vertices, TRIANGLES)
+
+
 def test_a_moebius_strip_has_no_inside():
     ring = [(0, 1, 2), (1, 2, 3), (2, 3, 4), (3, 4, 0), (4, 0, 1)]
     angle = np.arange(5) * 2.0

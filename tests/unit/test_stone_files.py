@@ -265,17 +265,17 @@ _KEYS = "table, star, lower_girdle_contact, crown_height, pavilion_depth, girdle
 REFUSED = {
     "no shape": (
         'name = "x"',
-        "needs exactly one of [proportions], [angles], [report], vertices, design and mesh; has none",
+        "needs exactly one of [proportions], [angles], [report], [cut], vertices, design and mesh; has none",
     ),
     "two shapes": (
         PROPORTIONS + ANGLES,
-        "needs exactly one of [proportions], [angles], [report], vertices, design and mesh; "
+        "needs exactly one of [proportions], [angles], [report], [cut], vertices, design and mesh; "
         "has proportions and angles",
     ),
     "unknown section": (
         PROPORTIONS.replace("[proportions]", "[proportion]\nx = 1"),
         "proportion = {'x': 1, 'table': 54.0, 'star': 57.0, 'lower_girdle_contact…: unknown key; "
-        "must be one of name, proportions, angles, report, vertices, design, mesh, material; "
+        "must be one of name, proportions, angles, report, cut, vertices, design, mesh, material; "
         "did you mean proportions?",
     ),
     "unknown key": (
@@ -284,8 +284,8 @@ REFUSED = {
     ),
     "key without its section": (
         "table = 54\n" + PROPORTIONS,
-        "table = 54: unknown key; must be one of name, proportions, angles, report, vertices, design, mesh, "
-        "material; "
+        "table = 54: unknown key; must be one of name, proportions, angles, report, cut, vertices, design, "
+        "mesh, material; "
         "it belongs in [proportions] or [angles] or [report]",
     ),
     "key of another section": (

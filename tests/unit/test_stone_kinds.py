@@ -176,7 +176,7 @@ def test_the_way_up_of_a_mesh(folder):
         ('[mesh]\nfile = "a.stl"\nupp = "z"', "mesh.upp = 'z': unknown key; must be one of file, up"),
         (
             'design = "emerald.asc"\nmesh = "emerald.stl"',
-            "needs exactly one of [proportions], [angles], [report], vertices, design and mesh; "
+            "needs exactly one of [proportions], [angles], [report], [cut], vertices, design and mesh; "
             "has design and mesh",
         ),
     ],

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gemrender.report.displays.labels import Label, place_labels
+from gemrender.report.displays.labels import Label, place_labels, write_with_room
 from gemrender.report.displays.page import PAPER, draw_lines, three_views
 from gemrender.report.displays.projection import CROWN, ONE_CORNER, PAVILION, StoneView, corners_of
 from gemrender.stone import Stone
@@ -19,7 +19,10 @@ __all__ = ["corners_figure"]
 
 SCALE = 2.6  # inch per unit
 #: Size of the numbers [points]: the largest, of so many corners in a view, and the smallest.
-_SIZE, _FEW, _SMALLEST = 10.0, 40, 4.5
+_SIZE, _FEW, _SMALLEST = 10.0, 30, 4.5
+#: Of more corners in a view, numbers stand where their points are, those that have room: a search for better
+#: places would take minutes.
+_MOST_PLACED = 150
 #: Colours by height: above the girdle, at it, below it (Okabe and Ito's, darkened for text).
 _COLOURS = {"above": "#0067a5", "girdle": "#00684a", "below": "#a83200"}
 _MEANINGS = {"above": "above the girdle", "girdle": "at the girdle", "below": "below the girdle"}
@@ -32,13 +35,14 @@ def corners_figure(stone: Stone) -> Figure:
     number = np.empty(len(order), dtype=np.int64)
     number[order] = np.arange(1, len(order) + 1)
     zones = _zones(stone, corners)
+    unnumbered: list[int] = []
 
     def draw(axes: Axes, view: StoneView) -> None:
         draw_lines(axes, view, PAPER)
-        _number_corners(axes, corners, number, zones, view)
+        unnumbered.append(_number_corners(axes, corners, number, zones, view))
 
     def legend(axes: Axes) -> None:
-        _draw_legend(axes, number, zones)
+        _draw_legend(axes, number, zones, max(unnumbered))
 
     return three_views(stone, f"The {len(corners)} corners", scale=SCALE, draw=draw, legend=legend)
 
@@ -69,12 +73,13 @@ def _zones(stone: Stone, corners: np.ndarray) -> list[str]:
 
 def _number_corners(
     axes: Axes, corners: np.ndarray, number: np.ndarray, zones: list[str], view: StoneView
-) -> None:
+) -> int:
+    """Draw and number the corners that are seen; return how many have no room for their number."""
     flat = view.projection.flat(corners)
     shown = [v for v in view.corners if _belongs(view, corners, zones, v)]
     shown.sort(key=lambda v: -float(np.hypot(*flat[v])))
     if not shown:
-        return
+        return 0
     size = max(_SMALLEST, _SIZE * min(1.0, (_FEW / len(shown)) ** 0.5))
     colours = [_COLOURS[zones[v]] for v in shown]
     axes.scatter(*flat[shown].T, s=1.2 * size, color=colours, zorder=6, linewidths=0.5, edgecolors="white")
@@ -82,10 +87,13 @@ def _number_corners(
         Label(text=f"{number[v]}", at=flat[v], towards=_outward(flat[v]), colour=_COLOURS[zones[v]])
         for v in shown
     ]
+    if len(labels) > _MOST_PLACED:
+        return len(labels) - len(write_with_room(axes, labels, fontsize=size, fontweight="bold"))
     place_labels(
         axes, labels, lines=[*view.visible, *view.outline], fontsize=size, fontweight="bold",
         halo=PAPER.ground, line_cost=1.2,
     )  # fmt: skip
+    return 0
 
 
 def _belongs(view: StoneView, corners: np.ndarray, zones: list[str], vertex: int) -> bool:
@@ -102,7 +110,7 @@ def _outward(place: np.ndarray) -> np.ndarray:
     return place / radius if radius > 1e-3 else np.array([0.0, 1.0])
 
 
-def _draw_legend(axes: Axes, number: np.ndarray, zones: list[str]) -> None:
+def _draw_legend(axes: Axes, number: np.ndarray, zones: list[str], unnumbered: int) -> None:
     y = axes.get_ylim()[1] / 2 + 0.6
     axes.text(0.55, y, "Numbered from the top down", fontsize=10.5, color=PAPER.soft)
     for zone, colour in _COLOURS.items():
@@ -113,3 +121,6 @@ def _draw_legend(axes: Axes, number: np.ndarray, zones: list[str]) -> None:
         axes.scatter(0.35, y + 0.06, s=42, color=colour)
         axes.text(0.55, y, f"{len(own)}", fontsize=12, color=colour, fontweight="bold")
         axes.text(1.15, y, _MEANINGS[zone], fontsize=12)
+    if unnumbered:
+        text = f"Up to {unnumbered} corners of a view have no room for their number."
+        axes.text(0.55, y - 0.45, text, fontsize=9.5, color=PAPER.soft)

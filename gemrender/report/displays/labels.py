@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.text import Text
 
-__all__ = ["Label", "fits", "place_labels", "text_boxes"]
+__all__ = ["Label", "fits", "largest_fit", "place_labels", "text_boxes", "write_with_room"]
 
 #: Space around a label [points].
 PADDING = 1.6
@@ -141,12 +141,58 @@ def place_labels(
     return texts
 
 
+def write_with_room(axes: Axes, labels: Sequence[Label], *, fontsize: float, **font: Any) -> list[Text]:
+    """Write labels beside their points, outwards; leave out those that would lie on another one.
+
+    For very many labels: nothing is searched for. Parameters as for `place_labels`.
+    """
+    unit = axes.figure.dpi / 72
+    spots = axes.transData.transform(np.array([label.at for label in labels], dtype=float))
+    texts: list[Text] = []
+    taken = np.empty((0, 4))
+    for label, spot in zip(labels, spots, strict=True):
+        half = unit * fontsize * np.array([0.36 * len(label.text), 0.5])  # as wide and high as letters are
+        away = np.asarray(label.towards, dtype=float) / np.hypot(*label.towards)
+        centre = spot + (half + 1.5 * unit) * away
+        box = np.concatenate([centre - half, centre + half])
+        if ((box[:2] < taken[:, 2:]) & (taken[:, :2] < box[2:])).all(axis=1).any():
+            continue
+        taken = np.concatenate([taken, box[None]])
+        place = axes.transData.inverted().transform(centre)
+        texts.append(
+            axes.text(*place, label.text, fontsize=fontsize, color=label.colour, ha="center",
+                      va="center_baseline", zorder=10, **font)
+        )  # fmt: skip
+    return texts
+
+
 def fits(axes: Axes, label: Label, fontsize: float) -> bool:
     """Say whether a label fits into its polygon, other labels left aside."""
-    text = axes.text(0, 0, label.text, fontsize=fontsize)
-    half = _extent(text) / 2 + PADDING * axes.figure.dpi / 72
+    return largest_fit(axes, label, (fontsize,)) is not None
+
+
+def largest_fit(axes: Axes, label: Label, sizes: Sequence[float]) -> float | None:
+    """Return the first of some sizes [points] at which a label fits into its polygon, or None.
+
+    Other labels are left aside. The letters are measured once: their boxes grow as their size.
+    """
+    if label.polygon is None:
+        return None
+    polygon = axes.transData.transform(label.polygon)
+    unit = axes.figure.dpi / 72
+    x, y = polygon.T
+    area = 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
+    narrow = 0.2 * len(label.text) * unit**2  # less than letters of size 1 take
+    sizes = [size for size in sizes if area > narrow * size**2]
+    if not sizes:
+        return None
+    text = axes.text(0, 0, label.text, fontsize=sizes[0])
+    half = _extent(text) / 2
     text.remove()
-    return label.polygon is not None and _room(axes.transData.transform(label.polygon), half, []) is not None
+    for size in sizes:
+        if _room(polygon, half * (size / sizes[0]) + PADDING * unit, []) is not None:
+            return size
+    return None
 
 
 def text_boxes(axes: Axes) -> np.ndarray:

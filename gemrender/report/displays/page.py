@@ -110,7 +110,7 @@ class Page:
             ha="center", va="baseline", fontsize=12.5, color=self.theme.soft,
         )  # fmt: skip
 
-    def _write_title(self, name: str, what: str) -> None:
+    def _write_title(self, name: str, subject: str) -> None:
         lines = textwrap.wrap(name, 46)
         size = 19.0 if len(lines) == 1 else 13.5
         top = (self.height - self.MARGIN) / self.height
@@ -122,8 +122,9 @@ class Page:
             wanted = title.get_window_extent().width / DPI
         title.set_fontsize(min(size, size * 0.55 * (self.width - 2 * self.MARGIN) / wanted))
         self.figure.text(
-            1 - self.MARGIN / self.width, top, what, fontsize=14, va="top", ha="right", color=self.theme.soft
-        )
+            1 - self.MARGIN / self.width, top, subject, fontsize=14, va="top", ha="right",
+            color=self.theme.soft,
+        )  # fmt: skip
         self.figure.text(
             1 - self.MARGIN / self.width, 0.16 / self.height, f"gemrender {gemrender.__version__}",
             fontsize=8, ha="right", color=self.theme.soft,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING
 
-from gemrender.report.displays.labels import Label, fits, place_labels, text_boxes
+from gemrender.report.displays.labels import Label, largest_fit, place_labels, text_boxes
 from gemrender.report.displays.page import PAPER, draw_lines, three_views
 from gemrender.report.displays.projection import StoneView
 from gemrender.report.palettes import draw_swatch, kind_tints
@@ -46,11 +46,11 @@ def _draw_facets(axes: Axes, stone: Stone, view: StoneView, tints: dict[tuple[st
         colour = tints[facet.side, facet.kind]
         axes.fill(*polygon.T, facecolor=colour, edgecolor=colour, linewidth=0.4, zorder=1)
         label = Label(text=facet.name.replace("_", " "), at=polygon.mean(axis=0), polygon=polygon)
-        size = next((size for size in _SIZES if fits(axes, label, size)), None)
+        size = largest_fit(axes, label, _SIZES)
         if size is not None:
             by_size.setdefault(size, []).append((number, label))
     draw_lines(axes, view, PAPER)
-    named = []
+    named: list[int] = []
     for size in sorted(by_size, reverse=True):
         numbers, labels = zip(*by_size[size], strict=True)
         place_labels(axes, labels, fontsize=size, colour=PAPER.ink, parse_math=False)
@@ -83,7 +83,7 @@ def _draw_legend(axes: Axes, stone: Stone, tints: dict[tuple[str, str], str], un
     for place, pair in enumerate(order[: rows * columns]):
         column, row = divmod(place, rows)
         x, y = 0.45 + column * width / columns, height - 0.35 - (row + 1) * step
-        draw_swatch(axes, x, y - 0.04, tints[pair])
+        draw_swatch(axes, x, y - 0.04, tints[pair], height=min(0.22, 0.8 * step))
         name = pair[1] if len(pair[1]) <= 14 else f"{pair[1][:13]}…"
         axes.text(x + 0.42, y, name, fontsize=size, fontweight="bold", parse_math=False)
         axes.text(x + width / columns - 0.15, y, f"{count[pair]}", fontsize=size, ha="right")
