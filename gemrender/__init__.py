@@ -26,7 +26,15 @@ from gemrender.scoring import Score, score
 if TYPE_CHECKING:
     from gemrender.beam import VirtualFacets, trace_facets
     from gemrender.beam.sensitivity import sensitivity
-    from gemrender.cuts import RoundBrilliant, bundled_stones, load_stone, load_stones, vary
+    from gemrender.cuts import (
+        RoundBrilliant,
+        bundled_stones,
+        load_stone,
+        load_stones,
+        save_stone,
+        stone_from_vertices,
+        vary,
+    )
     from gemrender.observation import Model, Observation, RayStatus, View
     from gemrender.render.backend import mitsuba
     from gemrender.stone import Stone
@@ -51,8 +59,10 @@ __all__ = [
     "load_stones",
     "mitsuba",
     "observe",
+    "save_stone",
     "score",
     "sensitivity",
+    "stone_from_vertices",
     "trace_facets",
     "vary",
 ]
@@ -68,6 +78,8 @@ _ON_DEMAND = {
     "load_stone": "gemrender.cuts",
     "load_stones": "gemrender.cuts",
     "mitsuba": "gemrender.render.backend",
+    "save_stone": "gemrender.cuts",
+    "stone_from_vertices": "gemrender.cuts",
     "vary": "gemrender.cuts",
     "VirtualFacets": "gemrender.beam",
     "sensitivity": "gemrender.beam.sensitivity",

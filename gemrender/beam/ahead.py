@@ -20,26 +20,23 @@ __all__ = ["Ahead", "planes_ahead"]
 class Ahead(NamedTuple):
     """Room to find the planes ahead of a beam in.
 
-    least, largest : (p,) float64
+    distances : (2, p) float64
         Smallest and largest distance to each plane from places in the polygon's box [girdle radius].
-    close, candidates : (p,) int64
+    planes : (2, p) int64
         Planes that are left after the box, and after the corners.
     at_corners : (p, m) float64
         Distances from the polygon's corners to the close planes.
     """
 
-    least: Any
-    largest: Any
-    close: Any
-    candidates: Any
+    distances: Any
+    planes: Any
     at_corners: Any
 
 
 @jit_fast
 def _least_distances(
     columns: Any, x: float, y: float, z: float, u0: float, u1: float, u2: float, v0: float, v1: float,
-    v2: float, dx: float, dy: float, dz: float, least: Any,
-    largest: Any,
+    v2: float, dx: float, dy: float, dz: float, distances: Any,
 ) -> float:  # fmt: skip
     """Find the smallest distance to each plane within a box, and the smallest of their largest ones.
 
@@ -54,24 +51,24 @@ def _least_distances(
     dx, dy, dz : float
         The beam's direction.
     """
-    for j in range(least.shape[0]):
+    for j in range(distances.shape[1]):
         nx, ny, nz = columns[0, j], columns[1, j], columns[2, j]
         slope = nx * dx + ny * dy + nz * dz
         gap = columns[3, j] - nx * x - ny * y - nz * z
         spread = abs(nx * u0 + ny * u1 + nz * u2) + abs(nx * v0 + ny * v1 + nz * v2)
         inverse = 1.0 / slope
         ahead = slope > PARALLEL
-        least[j] = (gap - spread) * inverse if ahead else math.inf
-        largest[j] = (gap + spread) * inverse if ahead else math.inf
+        distances[0, j] = (gap - spread) * inverse if ahead else math.inf
+        distances[1, j] = (gap + spread) * inverse if ahead else math.inf
     smallest = math.inf
-    for j in range(least.shape[0]):
-        smallest = min(smallest, largest[j])
+    for j in range(distances.shape[1]):
+        smallest = min(smallest, distances[1, j])
     return smallest
 
 
 @jit_inner
 def planes_ahead(columns: Any, beam: Any, corners: Any, n: int, room: Any) -> int:
-    """Find the planes that a beam may meet next; return how many, `room.candidates`.
+    """Find the planes that a beam may meet next; return how many, in `room.planes[1]`.
 
     Parameters
     ----------
@@ -96,20 +93,20 @@ def planes_ahead(columns: Any, beam: Any, corners: Any, n: int, room: Any) -> in
     dx, dy, dz = real(beam.dx), real(beam.dy), real(beam.dz)
     smallest = _least_distances(
         columns, x0 + xu * u + xv * v, y0 + yu * u + yv * v, z0 + zu * u + zv * v,
-        xu * du, yu * du, zu * du, xv * dv, yv * dv, zv * dv, dx, dy, dz, room.least, room.largest,
+        xu * du, yu * du, zu * du, xv * dv, yv * dv, zv * dv, dx, dy, dz, room.distances,
     )  # fmt: skip
     smallest += 1e-12 * (1.0 + abs(smallest))  # rounding, here and at the corners
-    close, n_close = room.close, 0
+    close, n_close = room.planes[0], 0
     for j in range(columns.shape[1]):
-        if room.least[j] <= smallest:
+        if room.distances[0, j] <= smallest:
             close[n_close] = j
             n_close += 1
     if n_close == 1:
-        room.candidates[0] = close[0]
+        room.planes[1, 0] = close[0]
         return 1
 
     # The distances at the corners; which plane is nearest at each of them.
-    table, candidates = room.at_corners, room.candidates
+    table, candidates = room.at_corners, room.planes[1]
     for c in range(n_close):
         j = close[c]
         nx, ny, nz = columns[0, j], columns[1, j], columns[2, j]

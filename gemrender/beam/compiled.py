@@ -16,18 +16,17 @@ from collections.abc import Callable
 from typing import Any
 
 import numba
-import numpy as np
 from numba.core import types
 from numba.extending import overload
 
 from gemrender.beam.cache import KernelCache
 
-__all__ = ["STEP", "grown", "jit", "jit_fast", "jit_inner", "real", "root"]
+__all__ = ["STEP", "jit", "jit_fast", "jit_inner", "real", "root"]
 
 #: Imaginary part that stands for a derivative of 1: its square is nothing beside any real part.
 STEP = 1e-30
 
-_INNER = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+_INNER = {"no_cpython_wrapper": True}
 
 
 def jit(function: Callable[..., Any]) -> Any:
@@ -49,7 +48,7 @@ def jit_fast(function: Callable[..., Any]) -> Any:
 
 
 def _compile(function: Callable[..., Any], **more: Any) -> Any:
-    kernel = numba.njit(nogil=True, error_model="numpy", **more)(function)
+    kernel = numba.njit(nogil=True, error_model="numpy", no_cfunc_wrapper=True, **more)(function)
     with contextlib.suppress(RuntimeError, OSError):  # no folder that a cache can be written to
         kernel._cache = KernelCache(function)
     return kernel
@@ -86,13 +85,3 @@ def _root(x: Any) -> Any:
         return math.sqrt(x)
 
     return dual if isinstance(x, types.Complex) else plain
-
-
-@jit_inner
-def grown(array: Any) -> Any:
-    """Return a contiguous array with twice as many rows; by a loop, which compiles sooner than slices."""
-    out = np.empty((2 * array.shape[0], *array.shape[1:]), array.dtype)
-    old, new = array.reshape(-1), out.reshape(-1)
-    for k in range(len(old)):
-        new[k] = old[k]
-    return out

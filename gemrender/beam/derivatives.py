@@ -120,7 +120,7 @@ def facet_totals(
     solid = ready.solid._replace(planes=planes, values=np.ascontiguousarray(planes.real))
     model = model or Model.of(ready.stone)
     traced = trace_polygons(solid, view.basis(), wedge, kernel_rules(model), no_limits())
-    paths = polygon_paths(traced.polygons, planes, ready.facet, view, ready.stone)
+    paths = polygon_paths(traced, planes, ready.facet, view, ready.stone)
     rear, near = inoue.rear_mask(paths, model), paths.status == RayStatus.MISSED
     intensity = inoue.primary_intensity(paths, model, rear)
     areas = paths.area

@@ -9,8 +9,7 @@ from enum import IntEnum
 import numpy as np
 
 from gemrender.beam.budget import Budget, no_limits
-from gemrender.beam.lists import Polygons
-from gemrender.beam.polygons import EXITED, GIRDLE_CELL, TRAPPED, trace_polygons
+from gemrender.beam.polygons import EXITED, GIRDLE_CELL, TRAPPED, Traced, trace_polygons
 from gemrender.beam.rules import Rules
 from gemrender.beam.solid import NO_WEDGE, BeamStone, beam_stone
 from gemrender.measures import inoue
@@ -183,14 +182,12 @@ def kernel_rules(model: Model) -> Rules:
 _RAY_STATUS = np.array([RayStatus.EXITED, RayStatus.TRAPPED, RayStatus.MISSED], dtype=np.int64)
 
 
-def polygon_paths(
-    polygons: Polygons, planes: np.ndarray, facet: np.ndarray, view: View, stone: Stone
-) -> Paths:
+def polygon_paths(polygons: Traced, planes: np.ndarray, facet: np.ndarray, view: View, stone: Stone) -> Paths:
     """Return the paths of polygons.
 
     Parameters
     ----------
-    polygons : Polygons
+    polygons : Traced
         What was traced.
     planes, facet
         The planes that were traced (p, 4), and the facet that each belongs to (p + 1,).
@@ -259,22 +256,22 @@ def trace_facets(
     why = ""
     if budget is not None and traced.no_time + traced.no_memory > 0.0:
         why = budget.memory_is_full if traced.no_memory else budget.time_is_up
-    polygons, nodes = traced.polygons, traced.nodes
-    paths = polygon_paths(polygons, ready.solid.values, ready.facet, view, ready.stone)
+    nodes = traced.nodes
+    paths = polygon_paths(traced, ready.solid.values, ready.facet, view, ready.stone)
     rear = inoue.rear_mask(paths, model)
     return VirtualFacets(
-        corners=polygons.corners,
-        starts=np.concatenate([[0], polygons.ends[:-1]]).astype(np.int64),
-        ends=polygons.ends,
-        status=polygons.facts[:, 0],
-        area=polygons.areas,
+        corners=traced.corners,
+        starts=np.concatenate([[0], traced.ends[:-1]]).astype(np.int64),
+        ends=traced.ends,
+        status=traced.facts[:, 0],
+        area=traced.areas,
         primary_intensity=LIGHT_LEVEL * inoue.primary_intensity(paths, model, rear),
         rear_mask=rear,
         reflections=paths.reflections,
         exit_direction=paths.exit_direction,
-        node=polygons.facts[:, 1],
+        node=traced.facts[:, 1],
         nodes=np.column_stack([nodes[:, 0], ready.facet[nodes[:, 1]]]),
-        exit_map=polygons.beams[:, :9].reshape(-1, 3, 3),
+        exit_map=traced.beams[:, :9].reshape(-1, 3, 3),
         paths=paths,
         covered=traced.outlines,
         covered_ends=traced.outline_ends,

@@ -12,25 +12,18 @@ from gemrender.beam.clipping import copy_out
 from gemrender.beam.compiled import jit_inner
 
 __all__ = [
-    "CORNERS",
     "CORNER_BYTES",
-    "DONE",
-    "NODES",
     "NODE_BYTES",
     "NO_MEMORY",
     "NO_TIME",
     "POLYGON_BYTES",
-    "STACK",
-    "TABLE",
     "UNACCOUNTED",
-    "WAITING",
     "Path",
     "Polygons",
     "Work",
+    "add",
     "empty_work",
     "has_room",
-    "push",
-    "store",
     "with_room",
 ]
 
@@ -48,35 +41,33 @@ class Polygons(NamedTuple):
 
     corners : (c, 2) float64 or complex128
         Corners of all of them.
-    ends : (m,) int64
-        Where the corners of each end.
-    facts : (m, 5) int64
-        Status (EXITED ...), node, reflections, and the planes that it enters and leaves by (-1 for none).
-    areas : (m,) like `corners`
-        Area of each.
-    beams : (m, BEAM) like `corners`
-        The `Beam` of each, where it left or was last reflected.
+    facts : (m, 6) int64
+        Of each: where its corners end, status (EXITED ...), node, reflections, and the planes that it enters
+        and leaves by (-1 for none).
+    numbers : (m, BEAM + 1) like `corners`
+        Its `Beam`, where it left or was last reflected, and its area.
+    used : (2,) int64
+        How many corners and polygons there are.
     """
 
     corners: Any
-    ends: Any
     facts: Any
-    areas: Any
-    beams: Any
+    numbers: Any
+    used: Any
 
 
 class Work(NamedTuple):
     """What a trace works with.
 
     done, waiting : Polygons
-        The polygons that are done, and those that wait to be followed, the last one first; of the latter
-        `ends` are numbers of corners.
+        The polygons that are done, and those that wait to be followed, the last one first.
     nodes : (k, 2) int64
         The tree of paths: a node's parent, -1 at the crown, and the plane that it met.
-    used : (5,) int64
-        How many there are: corners and polygons that are done, corners and polygons that wait, and nodes.
-    needed : (6,) int64
-        For how many there must be room before the next one is followed; last for corners in the table.
+    used : (1,) int64
+        How many nodes there are.
+    room : (2, 6) int64
+        How many corners and polygons that are done, corners and polygons that wait, nodes, and corners of the
+        table there is room for, and for how many there must be before the next polygon is followed.
     sums : (3,) float64
         Areas [girdle radius^2]: that no polygon holds, slivers thinner than rounding; and of girdle cells
         that the limits have made, by time and by memory.
@@ -92,66 +83,48 @@ class Work(NamedTuple):
     waiting: Polygons
     nodes: Any
     used: Any
-    needed: Any
+    room: Any
     sums: Any
     table: Any
     distances: Any
     ahead: Ahead
 
 
-#: What is in `used` and `needed`, and in `sums`, by place.
-CORNERS, DONE, STACK, WAITING, NODES, TABLE = range(6)
+#: What is in `sums`, by place.
 UNACCOUNTED, NO_TIME, NO_MEMORY = range(3)
 #: What the lists hold of each [bytes]: of a node, of a corner, and of a polygon besides.
-NODE_BYTES, CORNER_BYTES, POLYGON_BYTES = 16, 16, 8 * (1 + 5 + 1 + BEAM)
+NODE_BYTES, CORNER_BYTES, POLYGON_BYTES = 16, 16, 8 * (6 + BEAM + 1)
 
 
 @jit_inner
-def store(
-    status: int, path: Any, leaves: int, beam: Any, part: int, n: int, size: Any, work: Any
+def add(
+    polygons: Any, status: int, path: Any, leaves: int, beam: Any, table: Any, part: int, n: int, size: Any
 ) -> None:  # fmt: skip
-    """Write a polygon into the list of those that are done."""
-    done, used = work.done, work.used
-    first, m = used[CORNERS], used[DONE]
-    copy_out(work.table, part, n, done.corners, first)
-    facts = done.facts[m]
-    facts[0], facts[1], facts[2], facts[3], facts[4] = status, path.node, path.reflections, path.entry, leaves
-    done.ends[m], done.areas[m] = first + n, size
-    write_beam(beam, done.beams, m)
-    used[CORNERS], used[DONE] = first + n, m + 1
+    """Add a polygon, in part of a table, to a list."""
+    used = polygons.used
+    end, m = used[0] + n, used[1]
+    copy_out(table, part, n, polygons.corners, used[0])
+    facts = polygons.facts[m]
+    facts[0], facts[1], facts[2], facts[3] = end, status, path.node, path.reflections
+    facts[4], facts[5] = path.entry, leaves
+    write_beam(beam, polygons.numbers, m)
+    polygons.numbers[m, BEAM] = size
+    used[0], used[1] = end, m + 1
 
 
 @jit_inner
-def push(path: Any, beam: Any, part: int, n: int, size: Any, work: Any) -> None:
-    """Let a polygon wait."""
-    waiting, used = work.waiting, work.used
-    first, m = used[STACK], used[WAITING]
-    copy_out(work.table, part, n, waiting.corners, first)
-    facts = waiting.facts[m]
-    facts[1], facts[2], facts[3] = path.node, path.reflections, path.entry
-    waiting.ends[m], waiting.areas[m] = n, size
-    write_beam(beam, waiting.beams, m)
-    used[STACK], used[WAITING] = first + n, m + 1
+def has_room(n: int, count: int, walls: int, done: Any, waiting: Any, nodes: Any, room: Any) -> bool:
+    """Whether there is room for all that may come of a polygon of n corners; else write how much is needed.
 
-
-@jit_inner
-def has_room(n: int, count: int, walls: int, work: Any) -> bool:
-    """Whether the lists have room for all that may come of a polygon of n corners; else say how much."""
-    used, needed, done, waiting = work.used, work.needed, work.done, work.waiting
+    `done`, `waiting` and `nodes` are how many of each there are.
+    """
     most = n + count + walls + 2  # a cell gains one corner at the most by each cut
-    needed[CORNERS] = used[CORNERS] + count * (walls + 2) * most
-    needed[DONE] = used[DONE] + count * (walls + 2)
-    needed[STACK] = used[STACK] + count * most
-    needed[WAITING] = used[WAITING] + count
-    needed[NODES] = used[NODES] + count
-    needed[TABLE] = most
-    there = (
-        done.corners.shape[0], done.ends.shape[0], waiting.corners.shape[0], waiting.ends.shape[0],
-        work.nodes.shape[0], work.table.shape[1],
-    )  # fmt: skip
-    enough = True
-    for k in range(len(there)):
-        enough = enough and needed[k] <= there[k]
+    needed, enough = room[1], True
+    needed[0], needed[1] = done[0] + count * (walls + 2) * most, done[1] + count * (walls + 2)
+    needed[2], needed[3] = waiting[0] + count * most, waiting[1] + count
+    needed[4], needed[5] = nodes[0] + count, most
+    for k in range(6):
+        enough = enough and needed[k] <= room[0, k]
     return enough
 
 
@@ -159,57 +132,68 @@ def _empty_polygons(corners: int, polygons: int, kind: np.dtype) -> Polygons:
     """Return an empty list."""
     return Polygons(
         corners=np.empty((corners, 2), kind),
-        ends=np.empty(polygons, np.int64),
-        facts=np.empty((polygons, 5), np.int64),
-        areas=np.empty(polygons, kind),
-        beams=np.empty((polygons, BEAM), kind),
+        facts=np.empty((polygons, 6), np.int64),
+        numbers=np.empty((polygons, BEAM + 1), kind),
+        used=np.zeros(2, np.int64),
     )
+
+
+def _with_capacity(work: Work) -> Work:
+    """Return lists that know how much room they have."""
+    done, waiting = work.done, work.waiting
+    work.room[0] = (
+        len(done.corners), len(done.facts), len(waiting.corners), len(waiting.facts), len(work.nodes),
+        work.table.shape[1],
+    )  # fmt: skip
+    return work
 
 
 def empty_work(p: int, more: int, kind: np.dtype) -> Work:
     """Return empty lists for p planes of a type, with room to see each of them, cut by so many lines more."""
     most = p + more
-    return Work(
+    work = Work(
         done=_empty_polygons(1024, 256, kind),
         waiting=_empty_polygons(p * most + 512, p + 64, kind),
         nodes=np.empty((p + 512, 2), np.int64),
-        used=np.zeros(5, np.int64),
-        needed=np.zeros(6, np.int64),
+        used=np.zeros(1, np.int64),
+        room=np.zeros((2, 6), np.int64),
         sums=np.zeros(3),
         table=np.empty((3, most, 3), kind),
         distances=np.empty((p, 3), kind),
-        ahead=Ahead(
-            np.empty(p), np.empty(p), np.empty(p, np.int64), np.empty(p, np.int64), np.empty((p, most))
-        ),
+        ahead=Ahead(np.empty((2, p)), np.empty((2, p), np.int64), np.empty((p, most))),
     )
-
-
-def _grown(array: np.ndarray, used: int, needed: int) -> np.ndarray:
-    """Return an array with room for what is needed, twice as much as before at least."""
-    if len(array) >= needed:
-        return array
-    out = np.empty((max(2 * len(array), needed), *array.shape[1:]), array.dtype)
-    out[:used] = array[:used]
-    return out
+    return _with_capacity(work)
 
 
 def with_room(work: Work) -> Work:
-    """Return the lists, larger where more is needed."""
-    used, needed = work.used, work.needed
+    """Return the lists, twice as large at least where more is needed."""
+    room, needed = work.room
 
-    def grown(polygons: Polygons, corners: int, number: int) -> Polygons:
-        lists = [_grown(list_, used[number], needed[number]) for list_ in polygons[1:]]
-        return Polygons(_grown(polygons.corners, used[corners], needed[corners]), *lists)
+    def grown(array: np.ndarray, k: int) -> np.ndarray:
+        if room[k] >= needed[k]:
+            return array
+        out = np.empty((max(2 * len(array), int(needed[k])), *array.shape[1:]), array.dtype)
+        out[: len(array)] = array
+        return out
+
+    def longer(polygons: Polygons, k: int) -> Polygons:
+        return polygons._replace(
+            corners=grown(polygons.corners, k),
+            facts=grown(polygons.facts, k + 1),
+            numbers=grown(polygons.numbers, k + 1),
+        )
 
     table, ahead = work.table, work.ahead
-    if needed[TABLE] > table.shape[1]:
-        most = 2 * int(needed[TABLE])
+    if room[5] < needed[5]:
+        most = 2 * int(needed[5])
         table = np.empty((3, most, 3), table.dtype)
-        ahead = ahead._replace(at_corners=np.empty((len(ahead.least), most)))
-    return work._replace(
-        done=grown(work.done, CORNERS, DONE),
-        waiting=grown(work.waiting, STACK, WAITING),
-        nodes=_grown(work.nodes, used[NODES], needed[NODES]),
-        table=table,
-        ahead=ahead,
+        ahead = ahead._replace(at_corners=np.empty((len(ahead.at_corners), most)))
+    return _with_capacity(
+        work._replace(
+            done=longer(work.done, 0),
+            waiting=longer(work.waiting, 2),
+            nodes=grown(work.nodes, 4),
+            table=table,
+            ahead=ahead,
+        )
     )

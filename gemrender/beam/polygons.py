@@ -21,6 +21,7 @@ import numpy as np
 
 from gemrender.beam.ahead import planes_ahead
 from gemrender.beam.beams import (
+    BEAM,
     beam_at,
     beyond,
     is_cut_by_ground,
@@ -35,23 +36,15 @@ from gemrender.beam.compiled import jit, jit_inner, real
 from gemrender.beam.crossing import into_air, into_stone, is_total
 from gemrender.beam.lists import (
     CORNER_BYTES,
-    CORNERS,
-    DONE,
     NO_MEMORY,
     NO_TIME,
     NODE_BYTES,
-    NODES,
     POLYGON_BYTES,
-    STACK,
-    TABLE,
     UNACCOUNTED,
-    WAITING,
     Path,
-    Polygons,
+    add,
     empty_work,
     has_room,
-    push,
-    store,
     with_room,
 )
 from gemrender.beam.rules import Rules, Solid
@@ -64,6 +57,8 @@ EXITED, TRAPPED, GIRDLE_CELL = (np.int64(k) for k in range(3))
 #: No plane; and the parts of a table (`clipping`).
 _NONE, _FIRST, _WHOLE = np.int64(-1), np.int64(0), np.int64(2)
 _SQUARE = np.int64(4)
+#: Status of a polygon that waits.
+_WAITS = np.int64(-1)
 
 #: A beam of a smaller area is trapped [girdle radius^2].
 _LEAST_AREA = 1e-14
@@ -76,17 +71,31 @@ _LEAST_FACING = 1e-9
 class Traced(NamedTuple):
     """What a trace has found.
 
-    polygons : Polygons
-        The polygons.
+    corners : (c, 2) float64 or complex128
+        Corners of all polygons, one after the other.
+    ends : (m,) int64
+        Where the corners of each end.
+    facts : (m, 5) int64
+        Status (EXITED ...), node, reflections, and the planes that it enters and leaves by (-1 for none).
+    areas : (m,) like `corners`
+        Area of each.
+    beams : (m, BEAM) like `corners`
+        The `Beam` of each, where it left or was last reflected.
     nodes : (k, 2) int64
-        As in `Work`.
-    outlines : (c, 2), outline_ends : (p,) int64
+        The tree of paths: a node's parent, -1 at the crown, and the plane that it met.
+    outlines : (c', 2), outline_ends : (p,) int64
         Outline of each plane in the view, as far as the rim, and where its corners end.
-    unaccounted, no_time, no_memory : float
-        As `sums` in `Work`.
+    unaccounted : float
+        Area that no polygon holds: slivers thinner than rounding [girdle radius^2].
+    no_time, no_memory : float
+        Area of girdle cells that the limits have made [girdle radius^2].
     """
 
-    polygons: Polygons
+    corners: np.ndarray
+    ends: np.ndarray
+    facts: np.ndarray
+    areas: np.ndarray
+    beams: np.ndarray
     nodes: np.ndarray
     outlines: np.ndarray
     outline_ends: np.ndarray
@@ -140,19 +149,19 @@ def see_facets(solid: Any, basis: Any, wedge: Any, index: float, work: Any) -> N
         if n == 0 or real(size) < _NO_AREA:
             continue
         dx, dy, dz, _, _ = into_stone(zero - ex, zero - ey, zero - ez, plane[0], plane[1], plane[2], index)
-        here = used[NODES]
+        here = used[0]
         work.nodes[here, 0], work.nodes[here, 1] = -1, i
-        used[NODES] = here + 1
-        push(Path(here, _FIRST, i), turned(beam, dx, dy, dz), part, n, size, work)
+        used[0] = here + 1
+        path, beam = Path(here, _FIRST, i), turned(beam, dx, dy, dz)
+        add(work.waiting, _WAITS, path, _NONE, beam, table, part, n, size)
 
 
 # ---- From facet to facet -------------------------------------------------------------------------------
 
 
 @jit_inner
-def _cell(which: int, count: int, n: int, work: Any) -> Any:
+def _cell(which: int, count: int, n: int, candidates: Any, distances: Any, table: Any) -> Any:
     """Cut the part out of a polygon at which one of the candidates is the nearest plane."""
-    table, distances, candidates = work.table, work.distances, work.ahead.candidates
     for k in range(n):
         table[0, k, 0], table[0, k, 1] = table[2, k, 0], table[2, k, 1]
     part, here = _FIRST, distances[candidates[which]]
@@ -164,41 +173,42 @@ def _cell(which: int, count: int, n: int, work: Any) -> Any:
 
 
 @jit_inner
-def _at_walls(walls: Any, part: int, n: int, met: Any, before: Any, path: Any, work: Any) -> Any:
+def _at_walls(
+    walls: Any, table: Any, part: int, n: int, met: Any, before: Any, path: Any, done: Any
+) -> Any:  # fmt: skip
     """Give out what of a cell lies beyond the walls; return what is left, and the area given out."""
     given, zero = 0.0, met.x * 0.0
     for w in range(walls.shape[0]):
         if n == 0:
             break
         a, b, c = beyond(zero + walls[w, 0], zero + walls[w, 1], zero, zero + walls[w, 2], met)
-        other, m = keep_below(work.table, part, n, -a, -b, -c)
+        other, m = keep_below(table, part, n, -a, -b, -c)
         if m == 0:
             continue
-        size = area(work.table[other], m)
+        size = area(table[other], m)
         if real(size) >= _NO_AREA:
             given += real(size)
-            store(GIRDLE_CELL, path, _NONE, before, other, m, size, work)
-        part, n = keep_below(work.table, part, n, a, b, c)
+            add(done, GIRDLE_CELL, path, _NONE, before, table, other, m, size)
+        part, n = keep_below(table, part, n, a, b, c)
     return part, n, given
 
 
 @jit_inner
 def _leave(
-    path: Any, leaves: int, beam: Any, part: int, n: int, size: Any, rules: Any, work: Any
+    path: Any, leaves: int, beam: Any, table: Any, part: int, n: int, size: Any, rules: Any, done: Any
 ) -> Any:  # fmt: skip
     """Write a polygon that leaves into the list, cut at the ground if that is asked for; return its area."""
-    if not (rules.cut_at_ground and is_cut_by_ground(work.table[part], n, beam, rules.ground)):
-        store(EXITED, path, leaves, beam, part, n, size, work)
+    if not (rules.cut_at_ground and is_cut_by_ground(table[part], n, beam, rules.ground)):
+        add(done, EXITED, path, leaves, beam, table, part, n, size)
         return real(size)
     written = 0.0
     for sign in (1.0, -1.0):
-        other, m = keep_below(
-            work.table, part, n, sign * (beam.z - rules.ground), sign * beam.zu, sign * beam.zv
-        )
-        size = area(work.table[other], m)
+        z = sign * (beam.z - rules.ground)
+        other, m = keep_below(table, part, n, z, sign * beam.zu, sign * beam.zv)
+        size = area(table[other], m)
         if m and real(size) >= _NO_AREA:
             written += real(size)
-            store(EXITED, path, leaves, beam, other, m, size, work)
+            add(done, EXITED, path, leaves, beam, table, other, m, size)
     return written
 
 
@@ -218,73 +228,71 @@ def follow_polygons(solid: Any, rules: Any, seen: float, limits: Any, work: Any)
     Returns
     -------
     bool
-        Whether all is done; if not, some list has too little room (`needed`).
+        Whether all is done; if not, there is too little room (`Work.room`).
     """
     planes, walls, index = solid.planes, solid.walls, rules.refractive_index
-    used, waiting, table, candidates = work.used, work.waiting, work.table, work.ahead.candidates
+    done, waiting, nodes, used = work.done, work.waiting, work.nodes, work.used
+    table, distances, candidates = work.table, work.distances, work.ahead.planes[1]
     inner = np.inf
     for w in range(walls.shape[0]):
         inner = min(inner, walls[w, 2])
-    while used[WAITING] > 0:
-        top = used[WAITING] - 1
-        n, size, facts, beam = (
-            waiting.ends[top],
-            waiting.areas[top],
-            waiting.facts[top],
-            beam_at(waiting.beams, top),
-        )
-        first = used[STACK] - n
+    while waiting.used[1] > 0:
+        top = waiting.used[1] - 1
+        first = waiting.facts[top - 1, 0] if top > 0 else 0
+        n, facts, size = waiting.facts[top, 0] - first, waiting.facts[top], waiting.numbers[top, BEAM]
         if n > table.shape[1]:
-            work.needed[TABLE] = n
+            work.room[1, 5] = n
             return False
         for k in range(n):
             table[2, k, 0], table[2, k, 1] = waiting.corners[first + k, 0], waiting.corners[first + k, 1]
+        beam = beam_at(waiting.numbers, top)
         count = planes_ahead(solid.columns, beam, table[2], n, work.ahead)
-        if not has_room(n, count, walls.shape[0], work):
+        if not has_room(n, count, walls.shape[0], done.used, waiting.used, used, work.room):
             return False
-        path, left = Path(facts[1], facts[2], facts[3]), real(size)
-        used[STACK], used[WAITING] = first, top
+        path, left = Path(facts[2], facts[3], facts[4]), real(size)
+        waiting.used[0], waiting.used[1] = first, top
 
-        held = NODE_BYTES * used[NODES] + CORNER_BYTES * used[CORNERS] + POLYGON_BYTES * used[DONE]
+        held = NODE_BYTES * used[0] + CORNER_BYTES * done.used[0] + POLYGON_BYTES * done.used[1]
         too_many = held > limits[1] or (held > 0.5 * limits[1] and left < limits[2] * seen)
         if left < limits[0] * seen or too_many:
             work.sums[NO_MEMORY if too_many else NO_TIME] += left
-            store(GIRDLE_CELL, path, _NONE, beam, _WHOLE, n, size, work)
+            add(done, GIRDLE_CELL, path, _NONE, beam, table, _WHOLE, n, size)
             continue
 
         for c in range(count):
-            write_distance(planes[candidates[c]], beam, work.distances[candidates[c]])
+            write_distance(planes[candidates[c]], beam, distances[candidates[c]])
         for c in range(count):
             i = candidates[c]
-            part, m = _cell(c, count, n, work)
+            part, m = _cell(c, count, n, candidates, distances, table)
             if m == 0:
                 continue
-            met = moved(beam, work.distances[i])
+            met = moved(beam, distances[i])
             if walls.shape[0] and not is_within(table[part], m, met, inner):
-                part, m, given = _at_walls(walls, part, m, met, beam, path, work)
+                part, m, given = _at_walls(walls, table, part, m, met, beam, path, done)
                 left -= given
                 if m == 0:
                     continue
             size = area(table[part], m)
             if real(size) < _NO_AREA:
                 continue
-            here, nx, ny, nz = used[NODES], planes[i, 0], planes[i, 1], planes[i, 2]
-            work.nodes[here, 0], work.nodes[here, 1] = path.node, i
-            used[NODES] = here + 1
+            here, nx, ny, nz = used[0], planes[i, 0], planes[i, 1], planes[i, 2]
+            nodes[here, 0], nodes[here, 1] = path.node, i
+            used[0] = here + 1
             cos = nx * beam.dx + ny * beam.dy + nz * beam.dz
             if not is_total(cos, index):
                 dx, dy, dz, _, _ = into_air(beam.dx, beam.dy, beam.dz, nx, ny, nz, index)
                 met, ends = turned(met, dx, dy, dz), Path(here, path.reflections, path.entry)
-                left -= _leave(ends, i, met, part, m, size, rules, work)
+                left -= _leave(ends, i, met, table, part, m, size, rules, done)
                 continue
             left -= real(size)
             # Too small, or too long on its way.
             if real(size) < _LEAST_AREA or path.reflections >= rules.max_reflections:
-                store(TRAPPED, Path(here, path.reflections, path.entry), _NONE, met, part, m, size, work)
+                ends = Path(here, path.reflections, path.entry)
+                add(done, TRAPPED, ends, _NONE, met, table, part, m, size)
                 continue
             dx, dy, dz = beam.dx - 2.0 * cos * nx, beam.dy - 2.0 * cos * ny, beam.dz - 2.0 * cos * nz
             goes_on = Path(here, path.reflections + 1, path.entry)
-            push(goes_on, turned(met, dx, dy, dz), part, m, size, work)
+            add(waiting, _WAITS, goes_on, _NONE, turned(met, dx, dy, dz), table, part, m, size)
         work.sums[UNACCOUNTED] += max(left, 0.0)
     return True
 
@@ -315,15 +323,25 @@ def trace_polygons(
     p, kind = len(solid.planes), solid.planes.dtype
     work = empty_work(p, len(solid.rim) + len(wedge) + 8, kind)
     see_facets(solid, basis, wedge, rules.refractive_index, work)
-    waiting, seen = work.waiting, int(work.used[WAITING])
-    outlines, numbers = waiting.corners[: work.used[STACK]].copy(), np.zeros(p, np.int64)
-    numbers[work.nodes[:seen, 1]] = waiting.ends[:seen]
-    whole = float(waiting.areas[:seen].real.sum())
+    waiting, seen = work.waiting, int(work.used[0])
+    outlines, numbers = waiting.corners[: waiting.used[0]].copy(), np.zeros(p, np.int64)
+    numbers[work.nodes[:seen, 1]] = np.diff(waiting.facts[:seen, 0], prepend=0)
+    whole = float(waiting.numbers[:seen, BEAM].real.sum())
     while not follow_polygons(solid, rules, whole, limits, work):
         work = with_room(work)
-    n_corners, n = work.used[CORNERS], work.used[DONE]
-    done = work.done
+    corners, n = work.done.used
+    facts, states = work.done.facts[:n], work.done.numbers[:n]
+    unaccounted, no_time, no_memory = (float(area) for area in work.sums)
     return Traced(
-        Polygons(done.corners[:n_corners], *(list_[:n] for list_ in done[1:])),
-        work.nodes[: work.used[NODES]], outlines, np.cumsum(numbers), *map(float, work.sums),
-    )  # fmt: skip
+        corners=work.done.corners[:corners],
+        ends=facts[:, 0],
+        facts=facts[:, 1:],
+        areas=states[:, BEAM],
+        beams=states[:, :BEAM],
+        nodes=work.nodes[: work.used[0]],
+        outlines=outlines,
+        outline_ends=np.cumsum(numbers),
+        unaccounted=unaccounted,
+        no_time=no_time,
+        no_memory=no_memory,
+    )

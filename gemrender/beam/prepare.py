@@ -60,7 +60,7 @@ def _kernels() -> tuple[Any, ...]:
     return (
         polygons.see_facets,
         polygons.follow_polygons,
-        rim.rim_points,
+        rim.line_points,
         ray_kernels.enter_rays,
         ray_kernels.follow_rays,
     )

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 
-from gemrender.beam.compiled import grown, jit, jit_inner
+from gemrender.beam.compiled import jit, jit_inner
 
-__all__ = ["rim_points"]
+__all__ = ["line_points", "rim_points"]
 
 
-@jit
 def rim_points(
-    covered: Any, covered_ends: Any, wedge: Any, reach: float, azimuth: float, across: Any, along: Any
-) -> Any:
+    covered: np.ndarray, covered_ends: np.ndarray, wedge: np.ndarray, reach: float, azimuth: float,
+    across: np.ndarray, along: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
     """Put a point into each gap that parallel lines have between polygons.
 
     Parameters
@@ -42,20 +43,43 @@ def rim_points(
     lines : (m,) int64
         The line that each lies on.
     """
-    gaps = np.empty((len(covered_ends) + 1, 2))
-    points, lengths, n = np.empty((4 * len(across), 2)), np.empty(4 * len(across)), 0
-    lines = np.empty(len(lengths), np.int64)
-    cos, sin = np.cos(azimuth), np.sin(azimuth)
-    for line in range(len(across)):
-        n_gaps = _gaps(covered, covered_ends, wedge, reach, cos, sin, across[line], gaps)
-        while n + n_gaps > len(lengths):
-            points, lengths, lines = grown(points), grown(lengths), grown(lines)
+    gaps, spans = np.empty((len(covered_ends) + 1, 2)), np.empty((len(covered_ends), 2))
+    found = np.empty((4 * len(across) + len(gaps), 4))
+    done = n = 0
+    while done < len(across):
+        n, done = line_points(
+            covered, covered_ends, wedge, reach, np.cos(azimuth), np.sin(azimuth), across, along, done, n,
+            gaps, spans, found,
+        )  # fmt: skip
+        if done < len(across):
+            found = np.concatenate([found, np.empty_like(found)])
+    return found[:n, :2], found[:n, 2], found[:n, 3].astype(np.int64)
+
+
+@jit
+def line_points(
+    covered: Any, covered_ends: Any, wedge: Any, reach: float, cos: float, sin: float, across: Any,
+    along: Any, done: int, n: int, gaps: Any, spans: Any, found: Any,
+) -> Any:  # fmt: skip
+    """Go on with `rim_points` after so many lines and points, as far as there is room.
+
+    `found`, (m, 4), is points, lengths and lines; `gaps` and `spans` are room to work in.
+
+    Returns
+    -------
+    n, done : int
+        Points found and lines done.
+    """
+    for line in range(done, len(across)):
+        if n + len(gaps) > len(found):
+            return n, line
+        n_gaps = _gaps(covered, covered_ends, wedge, reach, cos, sin, across[line], gaps, spans)
         for k in range(n_gaps):
             s = gaps[k, 0] + along[line] * (gaps[k, 1] - gaps[k, 0])
-            points[n, 0], points[n, 1] = s * cos - across[line] * sin, s * sin + across[line] * cos
-            lengths[n], lines[n] = gaps[k, 1] - gaps[k, 0], line
+            found[n, 0], found[n, 1] = s * cos - across[line] * sin, s * sin + across[line] * cos
+            found[n, 2], found[n, 3] = gaps[k, 1] - gaps[k, 0], line
             n += 1
-    return points[:n], lengths[:n], lines[:n]
+    return n, len(across)
 
 
 @jit_inner
@@ -68,9 +92,10 @@ def _gaps(
     sin: float,
     across: float,
     gaps: Any,
+    spans: Any,
 ) -> int:
     """Find the parts of a line that no polygon holds, in order; return their number."""
-    half = np.sqrt(max(reach * reach - across * across, 0.0))
+    half = math.sqrt(max(reach * reach - across * across, 0.0))
     first, last = -half, half
     for w in range(len(wedge)):
         slope = wedge[w, 0] * cos + wedge[w, 1] * sin
@@ -83,12 +108,11 @@ def _gaps(
             last = first
     if last <= first:
         return 0
-    spans = np.empty((len(covered_ends), 2))
     n, begin = 0, 0
     for i in range(len(covered_ends)):
         if covered_ends[i] == begin:
             continue
-        a, b = _chord(covered[begin : covered_ends[i]], cos, sin, across)
+        a, b = _chord(covered, begin, covered_ends[i], cos, sin, across)
         begin = covered_ends[i]
         if b <= a:
             continue
@@ -111,18 +135,18 @@ def _gaps(
 
 
 @jit_inner
-def _chord(polygon: Any, cos: float, sin: float, across: float) -> Any:
-    """Return where a line enters and leaves a convex polygon; where it passes by, 1 and -1."""
-    start, end, found = 1.0, -1.0, False
-    n = len(polygon)
-    for k in range(n):
-        a, b = polygon[k - 1 if k else n - 1], polygon[k]
-        here = cos * a[1] - sin * a[0] - across
-        there = cos * b[1] - sin * b[0] - across
-        if (here <= 0.0) == (there <= 0.0):
-            continue
-        share = here / (here - there)
-        s = cos * (a[0] + share * (b[0] - a[0])) + sin * (a[1] + share * (b[1] - a[1]))
-        start, end = (min(start, s), max(end, s)) if found else (s, s)
-        found = True
-    return start, end
+def _chord(corners: Any, first: int, end: int, cos: float, sin: float, across: float) -> Any:
+    """Return where a line enters and leaves a convex polygon in a list; where it passes by, 1 and -1."""
+    enters, leaves, found = 1.0, -1.0, False
+    before = end - 1
+    for k in range(first, end):
+        here = cos * corners[before, 1] - sin * corners[before, 0] - across
+        there = cos * corners[k, 1] - sin * corners[k, 0] - across
+        if (here <= 0.0) != (there <= 0.0):
+            share = here / (here - there)
+            s = cos * corners[before, 0] + sin * corners[before, 1]
+            s += share * (cos * corners[k, 0] + sin * corners[k, 1] - s)
+            enters, leaves = (min(enters, s), max(leaves, s)) if found else (s, s)
+            found = True
+        before = k
+    return enters, leaves

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from typing import Unpack
 
 from gemrender.beam.budget import Budget
 from gemrender.beam.by_proportions import PROPORTIONS, by_proportions, proportion_planes
@@ -18,6 +19,7 @@ from gemrender.beam.measure import check_bound
 from gemrender.cuts.design import Design
 from gemrender.errors import InputError
 from gemrender.observation import Model, View
+from gemrender.request import ShortForms, resolve
 from gemrender.stone import Stone
 
 __all__ = [
@@ -61,6 +63,7 @@ def sensitivity(
     time_limit: float = TIME_LIMIT,
     memory_limit: float = MEMORY_LIMIT,
     progress: Callable[[float], None] | None = None,
+    **short: Unpack[ShortForms],
 ) -> Sensitivity:
     """Differentiate a stone's Average and Rear by each of its proportions and angles, or of its tiers'.
 
@@ -84,6 +87,8 @@ def sensitivity(
         What it may take [s], [GiB].
     progress : callable, optional
         Called with the share done, 0 to 1.
+    **short
+        Short forms of view and model, such as tilt (`gemrender.request.ShortForms`).
 
     Raises
     ------
@@ -94,7 +99,7 @@ def sensitivity(
     start = time.perf_counter()
     check_differentiable(stone)
     wanted = check_bound(bound)
-    view, model = view or View(resolution=1), model or Model.of(stone)
+    view, model = resolve(stone, view, model, short)
     whole = Budget(time_limit, memory_limit)
     if isinstance(stone.cut, Design):
         return by_tiers(stone, stone.cut, view, model, whole, progress, start)

@@ -68,6 +68,7 @@ class Parameters:
         """Return it as tiers of facets; the unit is half the width."""
         half_length = self.length / 100.0
         corner = 2.0 * self.corner / 100.0
+        across: list[tuple[tuple[float, ...], float, str]]
         across = [(_SIDES, 1.0, "side"), (_ENDS, half_length, "end")]
         if corner:
             across.append((_CORNERS, (1.0 + half_length - corner) / math.sqrt(2.0), "corner"))

@@ -19,7 +19,7 @@ __all__ = ["corners_figure"]
 
 SCALE = 2.6  # inch per unit
 #: Size of the numbers [points]: the largest, of so many corners in a view, and the smallest.
-_SIZE, _FEW, _SMALLEST = 10.0, 40, 4.5
+_SIZE, _FEW, _SMALLEST = 10.0, 30, 4.5
 #: Of more corners in a view, numbers stand where their points are, those that have room: a search for better
 #: places would take minutes.
 _MOST_PLACED = 150

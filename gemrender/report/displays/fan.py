@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 __all__ = ["fan_figure", "fan_points"]
 
 SCALE = 3.0  # inch per unit
+#: Width of a digit, as a share of its size.
+_LETTER = 0.64
 
 
 def fan_points(stone: Stone, azimuth_deg: float = 0.0, rays: int = FAN_RAYS) -> np.ndarray:
@@ -131,14 +133,16 @@ def _draw_fan_ray(axes: Axes, path: RayPath, route: np.ndarray) -> None:
 
 def _write_fan_labels(axes: Axes, paths: list[RayPath], projection: Projection, top: float) -> None:
     """Write each ray's intensity at the eye's end, as long as there is room."""
-    size = min(10.0, 10.0 * 30 / len(paths))
+    met = [path for path in paths if len(path.points)]
+    places = [float(projection.flat(path.points[0])[0]) for path in met]
+    texts = [f"{path.primary_intensity:.0f}" if path.status == RayStatus.EXITED else "–" for path in met]
+    apart = 72 * SCALE * min(np.abs(np.diff(places)), default=1.0)
+    longest = max(map(len, texts), default=1)
+    size = min(10.0, 10.0 * 30 / len(paths), apart / (_LETTER * (longest + 0.3)))
     if size < 6:
         return
-    for path in paths:
-        if len(path.points):
-            x = projection.flat(path.points[0])[0]
-            text = f"{path.primary_intensity:.0f}" if path.status == RayStatus.EXITED else "–"
-            axes.text(x, top + 0.035, text, fontsize=size, color=text_colour(path), ha="center", va="bottom")
+    for path, x, text in zip(met, places, texts, strict=True):
+        axes.text(x, top + 0.035, text, fontsize=size, color=text_colour(path), ha="center", va="bottom")
 
 
 def _write_fan_notes(axes: Axes, paths: list[RayPath]) -> None:

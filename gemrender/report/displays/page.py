@@ -122,8 +122,9 @@ class Page:
             wanted = title.get_window_extent().width / DPI
         title.set_fontsize(min(size, size * 0.55 * (self.width - 2 * self.MARGIN) / wanted))
         self.figure.text(
-            1 - self.MARGIN / self.width, top, subject, fontsize=14, va="top", ha="right", color=self.theme.soft
-        )
+            1 - self.MARGIN / self.width, top, subject, fontsize=14, va="top", ha="right",
+            color=self.theme.soft,
+        )  # fmt: skip
         self.figure.text(
             1 - self.MARGIN / self.width, 0.16 / self.height, f"gemrender {gemrender.__version__}",
             fontsize=8, ha="right", color=self.theme.soft,
