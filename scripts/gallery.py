@@ -33,7 +33,7 @@ class Shot:
     setup : str
         Set-up.
     stones : tuple of str
-        Stones, from left to right.
+        Stones or files, from left to right.
     material : str
         Material of all.
     dispersion : bool
@@ -52,6 +52,9 @@ class Shot:
     aspect: float = 1.0
 
 
+#: Designs of faceters.
+DESIGNS = Path(__file__).parents[1] / "tests" / "cases" / "stones"
+
 SHOTS = {
     "face-up-hemisphere": Shot(setup="hemisphere", curve="linear"),
     "face-up-loupe": Shot(setup="loupe"),
@@ -65,6 +68,9 @@ SHOTS = {
     "cubic-zirconia": Shot(setup="studio", material="cubic zirconia"),
     "moissanite": Shot(setup="studio", material="moissanite"),
     "without-dispersion": Shot(setup="fire", dispersion=False),
+    "emerald": Shot(setup="studio", stones=(f"{DESIGNS}/emerald.asc",), material="quartz"),
+    "pear": Shot(setup="velvet", stones=(f"{DESIGNS}/pear.asc",), material="quartz"),
+    "checkerboard": Shot(setup="studio", stones=(f"{DESIGNS}/checkerboard-round.asc",), material="spinel"),
 }
 #: Frames of the turntable, and how many a second shows.
 FRAMES, FPS = 72, 24.0
@@ -78,6 +84,7 @@ def main() -> None:
     parser.add_argument("--size", type=int, default=720, help="pixels a side")
     parser.add_argument("--samples", type=int, default=128, help="samples a pixel")
     parser.add_argument("--seed", type=int, default=0, help="seed")
+    parser.add_argument("--png", action="store_true", help="write PNG, not JPEG")
     parser.add_argument("--raw", action="store_true", help="do not denoise")
     arguments = parser.parse_args()
     names = arguments.names or [*SHOTS, "turntable"]
@@ -89,26 +96,26 @@ def main() -> None:
         if name == "turntable":
             turntable(arguments.out, arguments.size // 2, arguments.samples // 4, arguments.seed, denoise)
         else:
-            still(
-                name, SHOTS[name], arguments.out, arguments.size, arguments.samples, arguments.seed, denoise
-            )
+            file = arguments.out / f"{name}.{'png' if arguments.png else 'jpg'}"
+            still(file, SHOTS[name], arguments.size, arguments.samples, arguments.seed, denoise)
 
 
-def still(name: str, shot: Shot, out: Path, size: int, samples: int, seed: int, denoise: bool) -> None:
-    """Render a picture, and write it as JPEG."""
+def still(file: Path, shot: Shot, size: int, samples: int, seed: int, denoise: bool) -> None:
+    """Render a picture, and write it as JPEG or PNG."""
     gems = make_gems([load_stone(stone) for stone in shot.stones], material=shot.material, carat=1.0)
     setup = load_setup(shot.setup)
     height = round(size / shot.aspect)
     picture = render(
         gems, setup, width=size, height=height, spp=samples, seed=seed, dispersion=shot.dispersion
     )
-    said = f"{name}: {picture.samples} samples a pixel, noise {picture.noise:.3f}, {picture.seconds:.0f} s"
+    took = f"{picture.samples} samples a pixel, noise {picture.noise:.3f}, {picture.seconds:.0f} s"
     if denoise:
         picture = denoised(picture)
     exposure = exposure_of(picture, setup)
     rgb = developed(picture, setup, exposure=exposure, curve=shot.curve)
-    Image.fromarray(rgb).save(out / f"{name}.jpg", quality=93, subsampling=0)
-    print(said, flush=True)
+    options = {"optimize": True} if file.suffix == ".png" else {"quality": 93, "subsampling": 0}
+    Image.fromarray(rgb).save(file, **options)
+    print(f"{file.stem}: {took}", flush=True)
 
 
 def turntable(out: Path, size: int, samples: int, seed: int, denoise: bool) -> None:

@@ -31,9 +31,9 @@ __all__ = [
 class Path(NamedTuple):
     """How a polygon's light has come so far: its last node, its reflections, and the plane it entered by."""
 
-    node: int
-    reflections: int
-    entry: int
+    node: Any
+    reflections: Any
+    entry: Any
 
 
 class Polygons(NamedTuple):

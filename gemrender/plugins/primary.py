@@ -146,6 +146,13 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         self.int_ior = mi.Float64(number(props, "int_ior", GUBELIN_INDEX))
         self.ext_ior = mi.Float64(number(props, "ext_ior", 1.0))
         self.max_reflections = mi.UInt32(whole_number(props, "max_reflections", MOST_REFLECTIONS, least=1))
+        # One of three heights and its limit, not compiled in: that of the place, the normal or the direction.
+        below_level = -math.nextafter(LEVEL, 1.0)
+        limits = {"position": self.ground, "facet": below_level, "direction": 0.0}
+        self._rear_rule = (
+            dr.opaque(mi.Vector3d, [float(self.rear == rule) for rule in limits]),
+            dr.opaque(mi.Float64, limits[self.rear]),
+        )
         self.facet_check = FacetCheck()
         self.table_angles = mi.Float(GUBELIN_ANGLES_DEG)
         self.table_reflected = mi.Float(GUBELIN_REFLECTED)
@@ -322,10 +329,8 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         """Return the share of the light that the path transmits, and the AOVs."""
         exited = path.status == int(RayStatus.EXITED)
         p, d = path.point, path.direction
-        if self.rear == "facet":
-            rear = exited & (path.rise < -LEVEL)
-        else:
-            rear = exited & (p.z <= self.ground if self.rear == "position" else d.z <= 0)
+        told_by, most = self._rear_rule
+        rear = exited & (dr.dot(told_by, mi.Vector3d(p.z, path.rise, d.z)) <= most)
         transmitted = self._transmittance(*path.eye_side) * self._transmittance(*path.light_side)
         intensity = LIGHT_LEVEL * transmitted
         if self.intensity == "primary":

@@ -35,7 +35,7 @@ def resting_plane(stone: Stone) -> np.ndarray:
     down = np.flatnonzero((body.planes[:, 2] <= LEVEL) & (np.diff(body.starts) > 2))
     normals = body.planes[down, :3]
     distances = body.planes[down, 3] - normals @ centre
-    stable = np.array([_is_above(body, plane, centre) for plane in down], dtype=bool)
+    stable = np.array([_is_above(body, int(plane), centre) for plane in down], dtype=bool)
     if stable.any():
         normals, distances = normals[stable], distances[stable]
     normals = normals[distances <= (1 + _ALIKE) * distances.min()]

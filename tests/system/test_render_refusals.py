@@ -83,7 +83,6 @@ BAD_INPUT = {
     f"{SCENE} --setup studio --tilt 0": "--tilt: is for the scored scene only, not with --setup",
     f"{SCENE} --setup studio --tilt-azimuth 0": "--tilt-azimuth: is for the scored scene only, not with ",
     f"{SCENE} --stock": "--stock: is for a picture's scene only, with --setup",
-    f"{SCENE} --material ruby": "--material: is for a picture's scene only, with --setup",
     f"{SCENE} --carat 1": "--carat: is for a picture's scene only, with --setup",
     f"{SCENE} --diameter 6": "--diameter: is for a picture's scene only, with --setup",
     f"{SCENE} --size 16": "--size: is for a picture's scene only, with --setup",
