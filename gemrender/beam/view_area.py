@@ -31,6 +31,8 @@ def view_area(convex: BeamStone, view: View) -> float:
     across = float(np.arctan2(eye[1], eye[0]))
     towards = np.array([[np.cos(across), np.sin(across)], [-np.sin(across), np.cos(across)]])
     level = np.abs(planes[:, 2]) <= LEVEL
+    if not side and not level.any() and _is_thick(planes):
+        return np.pi
     if level.any() and side:  # a flat cut into the cylinder, seen from neither end
         total += float(np.maximum(solid.polyhedron.crosses[: len(planes)][level] @ eye, 0.0).sum())
     for end in (1.0, -1.0) if side else (1.0,):
@@ -46,6 +48,14 @@ def view_area(convex: BeamStone, view: View) -> float:
             wall = _under_arcs(turned, to_angle - across) - _under_arcs(turned, from_angle - across)
             total += float(end * side * wall.sum())
     return total
+
+
+def _is_thick(planes: np.ndarray) -> bool:
+    """Whether crown and pavilion planes (p, 4) meet nowhere within the unit circle."""
+    heights = np.column_stack([planes[:, :2], planes[:, 3]]) / planes[:, 2:3]
+    upper, lower = (heights[planes[:, 2] * sign > 0] for sign in (1.0, -1.0))
+    between = upper[:, None] - lower
+    return bool((between[..., 2] ** 2 >= between[..., 0] ** 2 + between[..., 1] ** 2).all())
 
 
 def _edges(corners: np.ndarray, ends: np.ndarray, sense: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

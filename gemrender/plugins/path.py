@@ -49,8 +49,9 @@ class PathIntegrator(mi.SamplingIntegrator):
       branches are followed. Inside, at each surface that lets some light through, what comes in there is
       added with its share, and the rest is followed on by reflection. Of the branches that end on something
       that is neither light nor sky one is drawn, in proportion to its share, and goes on.
-    - **Inside a convex stone no ray tracer is asked**: the next facet is the nearest of its planes. Other
-      stones are left to Embree.
+    - **Inside a convex stone no ray tracer is asked**: the next facet is the nearest of its planes, which its
+      mesh carries (``gemrender scene`` writes them). Other stones, and those of more than 384 planes, are
+      left to Embree.
     - **Dispersion.** In spectral variants the wavelengths of a path part where it first enters a dispersive
       stone, and each goes on by itself; until then all share a way. A branch outside that is drawn later
       goes on with its own wavelength only, and stands for all. In RGB variants the path draws a wavelength,

@@ -414,16 +414,23 @@ def _first_hit(scene: mi.Scene, ray: mi.Ray3f, active: mi.Bool) -> mi.SurfaceInt
     """Return where rays from outside meet the stone.
 
     The ray tracer may miss both faces beside an edge that a ray meets exactly, as whole rows of pixels do,
-    and find the stone's far side or nothing: where rays a little to either side do not, one of them counts.
+    and find the stone's far side, what is behind it, or nothing: where rays a little to either side do not,
+    one of them counts.
     """
     si = scene.ray_intersect(ray, active)
-    missed = active & (~si.is_valid() | (dr.dot(si.n, ray.d) >= 0))
+    missed = active & ~_comes_in(si, ray)
     aside = ASIDE * mi.Frame3f(ray.d).s
     left, right = (mi.Ray3f(ray.o + side, ray.d, ray.time, ray.wavelengths) for side in (aside, -aside))
     beside = scene.ray_intersect(left, missed)
-    leaks = missed & beside.is_valid()
-    leaks &= scene.ray_intersect(right, leaks).is_valid()
+    leaks = missed & _comes_in(beside, ray)
+    leaks &= _comes_in(scene.ray_intersect(right, leaks), ray)
     return dr.select(leaks, beside, si)
+
+
+def _comes_in(si: mi.SurfaceInteraction3f, ray: mi.Ray3f) -> mi.Bool:
+    """Return whether a ray meets a stone's face from outside."""
+    valid = si.is_valid()
+    return valid & si.shape.has_attribute(NORMAL_ATTRIBUTES[0], valid) & (dr.dot(si.n, ray.d) < 0)
 
 
 def _query_start(p: mi.Point3d, d: mi.Vector3d, on_wall: mi.Bool, retries: mi.UInt32) -> mi.Point3f:
