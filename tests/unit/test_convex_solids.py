@@ -21,7 +21,7 @@ from random_solids import (
     with_slivers,
 )
 from scipy.spatial import ConvexHull
-from solids import assert_closed, half_space_volume, mesh_volume
+from solids import assert_closed, bent_stone, half_space_volume, mesh_volume
 from tolerances import QUADRATURE_VOLUME
 
 from gemrender.beam import measure, trace_facets
@@ -138,6 +138,29 @@ def test_slivers_close(seed, number, exponent):
     planes = with_slivers(rng, about_ellipsoid(rng, number), 10**exponent)
     assert_closed_and_convex(intersect(planes), CORNERS_NEARLY_ONE)
     assert_closed(tessellate(stone_of(planes)))
+
+
+@settings(max_examples=15, **REPEATABLE)
+@given(seed=SEEDS, number=st.integers(8, 80), deviation=st.floats(0.1, 3.0))
+def test_tilted_facets_close_even_where_others_cut_them_away(seed, number, deviation):
+    rng = np.random.default_rng(seed)
+    stone = stone_of(about_ellipsoid(rng, number))
+    for _ in range(2):
+        stone = stone.tilted(deviation, rng)
+        assert_closed_and_convex(stone.solid.polyhedron, CORNERS)
+    assert_closed(tessellate(stone))
+
+
+def test_measured_facets_that_are_cut_away_have_planes_still():
+    rng = np.random.default_rng(1)
+    stone = bent_stone(-0.003)
+    hidden = 0
+    for _ in range(6):
+        stone = stone.tilted(2.0, rng)
+        hidden += int((stone.solid.areas == 0).sum())
+        assert np.isfinite(stone.solid.planes).all()
+        assert np.linalg.norm(stone.facet_normals, axis=1) == pytest.approx(1, abs=CORNERS)
+    assert hidden, "a facet is cut away"
 
 
 # ---- Symmetry ------------------------------------------------------------------------------------------
