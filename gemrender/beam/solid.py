@@ -24,7 +24,7 @@ NO_WEDGE = np.empty((0, 3))
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BeamStone:
-    """A convex stone, ready for beams.
+    """A convex stone as beams meet it.
 
     Attributes
     ----------
