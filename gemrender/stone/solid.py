@@ -187,4 +187,6 @@ def convex_solid(planes: np.ndarray, facet: np.ndarray) -> tuple[ConvexSolid, np
         # What is cut away a little more of is seen only without it.
         planes, facet = planes[bounds], facet[bounds]
     before, numbers = np.unique(facet, return_inverse=True)
-    return ConvexSolid(planes=planes, facet=numbers), before
+    solid = ConvexSolid(planes=planes, facet=numbers)
+    solid.__dict__["polyhedron"] = body  # as its cached property would find it once more
+    return solid, before

@@ -72,10 +72,9 @@ def find_symmetry(solid: ConvexSolid) -> Symmetry:
     key = planes[inclined, 2:]
     alike = cKDTree(key).query_ball_point(key, _SAME)
     rarest = int(np.argmin([len(others) for others in alike]))
-    fold = next(
-        (n for n in range(min(_MOST_FOLD, len(inclined)), 1, -1) if image(_turn(2 * np.pi / n)) is not None),
-        1,
-    )
+    # A rotation moves every inclined plane: there are as many like it as turns, or a multiple.
+    most = min(_MOST_FOLD, len(alike[rarest]))
+    fold = next((n for n in range(most, 1, -1) if image(_turn(2 * np.pi / n)) is not None), 1)
     azimuth = np.arctan2(planes[inclined, 1], planes[inclined, 0])
     for other in alike[rarest]:
         first = 0.5 * (azimuth[rarest] + azimuth[other]) % (np.pi / fold)
