@@ -8,13 +8,13 @@ from typing import Any, ParamSpec, Self, TypeVar
 
 from gemrender.errors import InputError
 
-__all__ = ["LONGEST_TOLD", "MOST_TOLD", "Mistakes", "MistakesError"]
+__all__ = ["LONGEST_LISTED", "MOST_LISTED", "Mistakes", "MistakesError"]
 
 P = ParamSpec("P")
 R = TypeVar("R")
 
 #: So many are told in the line, and so long it may be [characters]; of the others their number.
-MOST_TOLD, LONGEST_TOLD = 8, 1500
+MOST_LISTED, LONGEST_LISTED = 8, 1500
 
 
 class MistakesError(InputError):
@@ -34,10 +34,10 @@ class MistakesError(InputError):
     def __str__(self) -> str:
         first, *others = self.errors
         told = [str(first.at(self.source or ""))]
-        for error in others[: MOST_TOLD - 1]:
+        for error in others[: MOST_LISTED - 1]:
             # Of another file, as one that this names, it says which.
             told.append(str(error if error.source not in (None, self.source) else error.at("")))
-            if sum(map(len, told)) > LONGEST_TOLD:
+            if sum(map(len, told)) > LONGEST_LISTED:
                 told.pop()
                 break
         left = len(self.errors) - len(told)

@@ -205,15 +205,17 @@ class View:
 
     def basis(self) -> np.ndarray:
         """Return the map's right, its up, and the direction to the eye, in the stone's frame, (3, 3)."""
-        tilt, azimuth = np.radians(self.tilt_deg), np.radians(self.tilt_azimuth_deg)
-        eye = np.array([np.sin(tilt) * np.cos(azimuth), np.sin(tilt) * np.sin(azimuth), np.cos(tilt)])
-        axis = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
-        cos, sin = np.cos(tilt), np.sin(tilt)
-
-        def turned(v: np.ndarray) -> np.ndarray:  # Rodrigues
-            return np.asarray(v * cos + np.cross(axis, v) * sin + axis * (axis @ v) * (1 - cos))
-
-        return np.stack([turned(np.array([1.0, 0.0, 0.0])), turned(np.array([0.0, 1.0, 0.0])), eye])
+        tilt, azimuth = math.radians(self.tilt_deg), math.radians(self.tilt_azimuth_deg)
+        cos, sin, x, y = math.cos(tilt), math.sin(tilt), math.cos(azimuth), math.sin(azimuth)
+        # Rodrigues' rotation about the horizontal axis (-y, x, 0).
+        across = -(1.0 - cos) * x * y
+        return np.array(
+            [
+                [cos + (1.0 - cos) * y * y, across, -sin * x],
+                [across, cos + (1.0 - cos) * x * x, -sin * y],
+                [sin * x, sin * y, cos],
+            ]
+        )
 
     def cell_centres(self) -> tuple[np.ndarray, np.ndarray]:
         """Return x of the columns and y of the rows, each (resolution,) [girdle radius]."""

@@ -21,6 +21,7 @@ __all__ = [
     "MOST_BYTES",
     "bundled_files",
     "did_you_mean",
+    "located_at",
     "open_file",
     "parse_toml",
     "read_bytes",
@@ -31,7 +32,6 @@ __all__ = [
     "section",
     "stem",
     "text_line",
-    "told_at",
 ]
 
 #: Largest file [bytes]; 57 vertices with all their digits take less than 5000, a spectrum of 1000 rows 20000.
@@ -215,7 +215,7 @@ def parse_toml(lines: list[str], *, kind: str) -> dict[str, Any]:
     Raises
     ------
     InputError
-        It is not TOML, or nested too deeply. It has no source: see `told_at`.
+        It is not TOML, or nested too deeply. It has no source: see `located_at`.
     """
     try:
         return tomllib.loads("\n".join(lines))
@@ -226,13 +226,13 @@ def parse_toml(lines: list[str], *, kind: str) -> dict[str, Any]:
 
 
 @contextlib.contextmanager
-def told_at(source: str | None, section: str | None = None) -> Iterator[None]:
+def located_at(source: str | None, section: str | None = None) -> Iterator[None]:
     """Tell input errors as coming from a file, and a section of it, unless they know their own source.
 
     Parameters
     ----------
     source : str or None
-        The file; None leaves it to a `told_at` around this one.
+        The file; None leaves it to a `located_at` around this one.
     section : str, optional
         Name of the section, put before the error's key.
 

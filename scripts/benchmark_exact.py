@@ -1,6 +1,8 @@
 """Time the exact engine beside the others, in one run; ratios count, since machines differ and are noisy.
 
-python scripts/benchmark_exact.py [--repeats 7] [--stones 200] [--seed 1] [--quick]
+python scripts/benchmark_exact.py [DESIGN ...] [--repeats 7] [--stones 200] [--seed 1] [--quick]
+
+Designs are stone files of any kind, scored face-up and tilted by 15 degrees.
 """
 
 from __future__ import annotations
@@ -22,9 +24,11 @@ from typing import Any
 import numpy as np
 
 from gemrender.beam import BOUND_RANGE, beam_stone, measure, prepare, trace_facets
+from gemrender.beam.rays import INSIDE, RAY, enter_rays, follow_rays
+from gemrender.beam.solid import BeamStone
 from gemrender.cuts import RoundBrilliant, load_stone
 from gemrender.engines import DEFAULT_BOUND, observe
-from gemrender.observation import Model
+from gemrender.observation import Model, View
 from gemrender.scoring import score_pixels
 from gemrender.stone import Stone
 
@@ -110,6 +114,57 @@ def one_stone(repeats: int) -> None:
         )
     other = observe(stone, engine="reference", resolution=512, fresnel="exact").seconds
     print(f"  reference at 512, once: {1e3 * other:.0f} ms, {other / exact:.0f} times as long")
+
+
+def girdle_rays(stone: Stone, number: int) -> tuple[BeamStone, np.ndarray]:
+    """Return rays all over a stone's tilted view, as they have entered it."""
+    ready, view = beam_stone(stone), View(resolution=1, tilt_deg=30, tilt_azimuth_deg=10)
+    places, rays = np.random.default_rng(1).uniform(-1, 1, (number, 2)), np.zeros(number, RAY)
+    enter_rays(places, view.basis(), ready.solid, ready.facet, MODEL.index, rays)
+    return ready, rays[rays["status"] == INSIDE]
+
+
+def single_rays(repeats: int) -> None:
+    """Time single rays: segments from surface to surface a second, by one core and by all of them.
+
+    Beside it numpy's matrix product of as many rays and planes, which the machine's speed can be told by.
+    """
+    cores = os.cpu_count() or 1
+    ready, inside = girdle_rays(load_stone("fish-eye"), 200_000)
+
+    def follow(part: np.ndarray) -> int:
+        rays = part.copy()
+        return int(follow_rays(ready.solid, ready.facet, MODEL.index, MODEL.max_reflections, rays))
+
+    parts = np.array_split(inside, 4 * cores)
+    met = follow(inside)
+    with one_core() as where:
+        one = seconds(lambda: follow(inside), repeats)
+        normals = np.ascontiguousarray(ready.solid.values[:, :3].T)
+        product = seconds(lambda: inside["direction"] @ normals, repeats) * met / len(inside)
+    with ThreadPoolExecutor(cores) as threads:
+        every = seconds(lambda: list(threads.map(follow, parts)), repeats)
+    print(
+        f"single rays, {met / len(inside):.1f} segments each, M segments a second (wanted: 40 by all cores):"
+    )
+    print(f"  {met / one / 1e6:.1f} by {where}, {met / every / 1e6:.1f} by {cores} threads")
+    print(f"  a segment takes {one / product:.2f} times as long as numpy's products of a ray and all normals")
+
+
+def designs(stones: Sequence[Stone], repeats: int) -> None:
+    """Time designs on one core."""
+    tilted = View(resolution=1, tilt_deg=15, tilt_azimuth_deg=90)
+    with one_core() as where:
+        print(
+            f"Designs in their own materials, bound {DEFAULT_BOUND:g}, {where} (wanted: 30 ms; tilted 150):"
+        )
+        for stone in stones:
+            ready, row = beam_stone(stone), f"  {stone.name:<30}{stone.solid.n_facets:>4} facets"
+            for view in (None, tilted):
+                found = measure(ready, view=view)
+                taken = 1e3 * seconds(partial(measure, ready, view=view), repeats)
+                row += f"{taken:>9.1f} ms, {len(found.sizes):>6} virtual facets, {found.rays} rays"
+            print(row)
 
 
 def many_stones(stones: Sequence[Stone]) -> None:
@@ -235,37 +290,39 @@ def _print_compared(one: Compared) -> float:
     return ratio
 
 
-def _score_many(stones: Sequence[Stone]) -> int:
-    """Score stones one after the other."""
-    for stone in stones:
-        measure(stone, model=MODEL)
-    return len(stones)
+def _score_many(seeds: Sequence[int]) -> int:
+    """Make and score stones one after the other."""
+    for seed in seeds:
+        measure(cut(np.random.default_rng(seed), seed), model=MODEL)
+    return len(seeds)
 
 
 def throughput(number: int) -> None:
-    """Count stones scored in a second by one core, by threads and by processes; median of three."""
+    """Count stones made and scored in a second by one core, by threads and by processes; median of three."""
     cores = os.cpu_count() or 1
     start = time.perf_counter()
-    stones = [cut(np.random.default_rng(seed), seed) for seed in range(number)]
+    for seed in range(number):
+        cut(np.random.default_rng(seed), seed)
     made = (time.perf_counter() - start) / number
-    shares = [stones[i::cores] for i in range(cores)]
+    seeds = range(number)
+    shares = [seeds[i::cores] for i in range(cores)]
 
     def rate(run: Callable[[], Any]) -> float:
         return number / seconds(run, 3)
 
     rates = {}
     with one_core() as where:
-        rates[where] = rate(lambda: _score_many(stones))
-    rates["one thread, all cores for stones of many rays"] = rate(lambda: _score_many(stones))
+        rates[where] = rate(lambda: _score_many(seeds))
+    rates["one thread, all cores for stones of many rays"] = rate(lambda: _score_many(seeds))
     with ThreadPoolExecutor(cores) as threads:
         rates[f"{cores} threads"] = rate(lambda: list(threads.map(_score_many, shares)))
     with ProcessPoolExecutor(cores, mp_context=get_context("spawn"), initializer=prepare) as workers:
         rates[f"{cores} processes"] = rate(lambda: list(workers.map(_score_many, shares)))
     best = max(rates, key=rates.__getitem__)
-    print(f"Stones a second, {number} of them (wanted: 100): {rates[best]:.0f} by {best}")
+    print(f"Stones a second, made and scored, {number} of them (wanted: 500): {rates[best]:.0f} by {best}")
     for name, value in rates.items():
         print(f"  {value:.0f} by {name}")
-    print(f"  besides: to make a stone of its proportions takes {1e3 * made:.1f} ms")
+    print(f"  of which to make a stone of its proportions takes {1e3 * made:.2f} ms (wanted: 0.5)")
 
 
 def processes(repeats: int) -> None:
@@ -292,6 +349,7 @@ def processes(repeats: int) -> None:
 def main() -> None:
     """Run what the options ask for."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("designs", nargs="*", metavar="DESIGN", help="stone files to time as well")
     parser.add_argument("--repeats", type=int, default=7)
     parser.add_argument("--stones", type=int, default=200, help="random stones; for rates twice as many")
     parser.add_argument("--seed", type=int, default=1)
@@ -300,6 +358,9 @@ def main() -> None:
     loading()
     rng = np.random.default_rng(options.seed)
     stones = [cut(rng, number) for number in range(options.stones)]
+    single_rays(options.repeats)
+    if options.designs:
+        designs([load_stone(path) for path in options.designs], options.repeats)
     one_stone(options.repeats)
     many_stones(stones)
     if not options.quick:

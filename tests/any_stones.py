@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -38,7 +39,7 @@ def hollow_stone() -> Stone:
             facet += [number + k for k in range(len(polygon))]
             hollows = len(polygon)
         else:
-            triangles += [(polygon[0], a, b) for a, b in zip(polygon[1:-1], polygon[2:], strict=True)]
+            triangles += [(polygon[0], a, b) for a, b in pairwise(polygon[1:])]
             facet += [number + (hollows - 1 if number > deep else 0)] * (len(polygon) - 2)
     solid = MeshSolid(vertices=np.array(vertices), triangles=np.array(triangles), facet=np.array(facet))
     normals = mean_planes(solid.vertices, solid.triangles, solid.facet)[:, :3]

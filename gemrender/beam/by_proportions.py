@@ -99,14 +99,14 @@ class _Scored:
         budget: Budget | None = None,
     ) -> None:
         self.stone, self.view, self.model = stone, view, model
-        self.ready = beam_stone(stone)
-        facets = trace_facets(self.ready, view=view, model=model, whole=False, budget=budget)
+        self.convex = beam_stone(stone)
+        facets = trace_facets(self.convex, view=view, model=model, whole=False, budget=budget)
         if facets.left_over:
             raise InputError(
                 f"falls into more virtual facets than can be differentiated: {facets.why_left_over}",
                 source=stone.source or stone.name,
             )
-        self.resolved, near = facet_sums(facets), NearGirdle(self.ready, facets, seed)
+        self.resolved, near = facet_sums(facets), NearGirdle(self.convex, facets, seed)
         self.numbers = numbers or near.numbers(rays)
         near.go_on(self.numbers)
         self.near, self.cell_area, self.area = near.found(), near.cell_area, near.view_area
@@ -134,7 +134,7 @@ def _slope(base: _Scored, parameter: str, seed: int) -> np.ndarray:
     assert base.stone.proportions is not None
     planes = proportion_planes(base.stone.proportions, parameter)
     light, rear, resolved, cells = (
-        facet_totals(base.ready, planes, view=base.view, model=base.model).imag / STEP
+        facet_totals(base.convex, planes, view=base.view, model=base.model).imag / STEP
     )
     for step in _QUOTIENT_STEPS:
         low, high, between = _sides(base, parameter, step, seed)

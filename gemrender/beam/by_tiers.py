@@ -62,8 +62,8 @@ def by_tiers(
     if model.rear == "position":
         # The same, where the girdle's lower edge is level; it does not stay so when one tier moves.
         model = replace(model, rear="facet")
-    ready = beam_stone(stone)
-    facets = trace_facets(ready, view=view, model=model, budget=budget)
+    convex = beam_stone(stone)
+    facets = trace_facets(convex, view=view, model=model, budget=budget)
     if facets.left_over:
         raise InputError(
             f"falls into more virtual facets than can be differentiated: {facets.why_left_over}",
@@ -83,7 +83,7 @@ def by_tiers(
     light = rear = area = 0.0
     for done, (tier, quantity) in enumerate(parameters, start=1):
         planes = tier_planes(stone, design, tier, quantity)
-        totals = facet_totals(ready, planes, view=view, model=model, whole=True)
+        totals = facet_totals(convex, planes, view=view, model=model, whole=True)
         light, rear, area = (float(x) for x in totals.real[:3])
         # A distance counts in per cent of the stone's unit.
         slopes = totals.imag[:3] / STEP * (1.0 if quantity == "angle_deg" else 0.01 * unit)

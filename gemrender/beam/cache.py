@@ -17,7 +17,6 @@ from typing import Any
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 
 import gemrender
-from gemrender.measures import inoue
 from gemrender.optics import fresnel
 
 __all__ = ["KernelCache", "source_stamp"]
@@ -30,7 +29,7 @@ _DIGEST_BYTES = 32
 def source_stamp() -> str:
     """Return a digest of what goes into the kernels: their sources, and the numbers that they take over."""
     digest = _DIGEST(gemrender.__version__.encode())
-    for path in (*sorted(Path(__file__).parent.glob("*.py")), Path(fresnel.__file__), Path(inoue.__file__)):
+    for path in (*sorted(Path(__file__).parent.glob("*.py")), Path(fresnel.__file__)):
         digest.update(path.name.encode() + path.read_bytes())
     return digest.hexdigest()
 

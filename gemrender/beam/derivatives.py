@@ -89,7 +89,7 @@ class Sensitivity:
 
 
 def facet_totals(
-    ready: BeamStone,
+    convex: BeamStone,
     planes: np.ndarray,
     *,
     view: View | None = None,
@@ -100,7 +100,7 @@ def facet_totals(
 
     Parameters
     ----------
-    ready : BeamStone
+    convex : BeamStone
         The stone.
     planes : (p, 4) float64 or complex128
         Planes; with `compiled.STEP` times their derivatives as imaginary parts, the sums have theirs.
@@ -116,11 +116,12 @@ def facet_totals(
         cells [stone's unit^2]; of a symmetric stone seen from straight above, of a part of the view.
     """
     view = view or View(resolution=1)
-    wedge = NO_WEDGE if whole else ready.wedge(view)
-    solid = ready.solid._replace(planes=planes, values=np.ascontiguousarray(planes.real))
-    model = model or Model.of(ready.stone)
+    wedge = NO_WEDGE if whole else convex.wedge(view)
+    values = np.ascontiguousarray(planes.real)
+    solid = convex.solid._replace(planes=planes, values=values, columns=np.ascontiguousarray(values.T))
+    model = model or Model.of(convex.stone)
     traced = trace_polygons(solid, view.basis(), wedge, kernel_rules(model), no_limits())
-    paths = polygon_paths(traced, planes, ready.facet, view, ready.stone)
+    paths = polygon_paths(traced, planes, convex.facet, view, convex.stone)
     rear, near = inoue.rear_mask(paths, model), paths.status == RayStatus.MISSED
     intensity = inoue.primary_intensity(paths, model, rear)
     areas = paths.area

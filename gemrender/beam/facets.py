@@ -246,18 +246,18 @@ def trace_facets(
     InputError
         The stone is not convex.
     """
-    ready = stone if isinstance(stone, BeamStone) else beam_stone(stone)
+    convex = stone if isinstance(stone, BeamStone) else beam_stone(stone)
     view = view or View(resolution=1)
-    model = model or Model.of(ready.stone)
-    wedge = NO_WEDGE if whole else ready.wedge(view)
+    model = model or Model.of(convex.stone)
+    wedge = NO_WEDGE if whole else convex.wedge(view)
     rules = kernel_rules(model)
     with budget.polygon_limits() if budget else nullcontext(no_limits()) as limits:
-        traced = trace_polygons(ready.solid, view.basis(), wedge, rules, limits)
+        traced = trace_polygons(convex.solid, view.basis(), wedge, rules, limits)
     why = ""
     if budget is not None and traced.no_time + traced.no_memory > 0.0:
         why = budget.memory_is_full if traced.no_memory else budget.time_is_up
     nodes = traced.nodes
-    paths = polygon_paths(traced, ready.solid.values, ready.facet, view, ready.stone)
+    paths = polygon_paths(traced, convex.solid.values, convex.facet, view, convex.stone)
     rear = inoue.rear_mask(paths, model)
     return VirtualFacets(
         corners=traced.corners,
@@ -270,7 +270,7 @@ def trace_facets(
         reflections=paths.reflections,
         exit_direction=paths.exit_direction,
         node=traced.facts[:, 1],
-        nodes=np.column_stack([nodes[:, 0], ready.facet[nodes[:, 1]]]),
+        nodes=np.column_stack([nodes[:, 0], convex.facet[nodes[:, 1]]]),
         exit_map=traced.beams[:, :9].reshape(-1, 3, 3),
         paths=paths,
         covered=traced.outlines,
@@ -279,7 +279,7 @@ def trace_facets(
         left_over=traced.no_time + traced.no_memory,
         why_left_over=why,
         wedge=wedge,
-        stone=ready.stone,
+        stone=convex.stone,
         view=view,
         model=model,
     )

@@ -31,9 +31,9 @@ __all__ = [
 class Path(NamedTuple):
     """How a polygon's light has come so far: its last node, its reflections, and the plane it entered by."""
 
-    node: int
-    reflections: int
-    entry: int
+    node: Any
+    reflections: Any
+    entry: Any
 
 
 class Polygons(NamedTuple):
@@ -90,6 +90,8 @@ class Work(NamedTuple):
     ahead: Ahead
 
 
+#: Room at first; most stones seen from above need no more.
+_FIRST_CORNERS, _FIRST_POLYGONS = 1 << 14, 1 << 12
 #: What is in `sums`, by place.
 UNACCOUNTED, NO_TIME, NO_MEMORY = range(3)
 #: What the lists hold of each [bytes]: of a node, of a corner, and of a polygon besides.
@@ -152,9 +154,9 @@ def empty_work(p: int, more: int, kind: np.dtype) -> Work:
     """Return empty lists for p planes of a type, with room to see each of them, cut by so many lines more."""
     most = p + more
     work = Work(
-        done=_empty_polygons(1024, 256, kind),
-        waiting=_empty_polygons(p * most + 512, p + 64, kind),
-        nodes=np.empty((p + 512, 2), np.int64),
+        done=_empty_polygons(_FIRST_CORNERS, _FIRST_POLYGONS, kind),
+        waiting=_empty_polygons(p * most + _FIRST_CORNERS, p + _FIRST_POLYGONS, kind),
+        nodes=np.empty((p + _FIRST_POLYGONS, 2), np.int64),
         used=np.zeros(1, np.int64),
         room=np.zeros((2, 6), np.int64),
         sums=np.zeros(3),

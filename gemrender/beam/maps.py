@@ -73,12 +73,12 @@ def observe(
         The stone is not convex, or the bound out of range.
     """
     start = time.perf_counter()
-    ready = stone if isinstance(stone, BeamStone) else beam_stone(stone)
+    convex = stone if isinstance(stone, BeamStone) else beam_stone(stone)
     measured, facets = measure_facets(
-        ready, view=view, model=model, bound=bound, seed=seed, progress=progress, budget=budget
+        convex, view=view, model=model, bound=bound, seed=seed, progress=progress, budget=budget
     )
     if facets.parts > 1:
-        facets = trace_facets(ready, view=view, model=model, budget=budget.anew() if budget else None)
+        facets = trace_facets(convex, view=view, model=model, budget=budget.anew() if budget else None)
     right, up, _ = view.basis()
     x, y = view.cell_centres()
     maps = _empty_maps(view)
@@ -95,10 +95,10 @@ def observe(
         part = {name: array[block].reshape(len(points), *array.shape[2:]) for name, array in maps.items()}
         _fill_from_facets(part, facets, codes, owner, points)
         alone = np.flatnonzero(owner < 0)
-        _fill_from_rays(part, ready, facets, alone, points[alone])
+        _fill_from_rays(part, convex, facets, alone, points[alone])
     return Observation(
         **maps,
-        stone=ready.stone,
+        stone=convex.stone,
         view=view,
         model=facets.model,
         engine="exact",
@@ -208,13 +208,13 @@ def _fill_from_facets(
 
 
 def _fill_from_rays(
-    maps: dict[str, Any], ready: BeamStone, facets: VirtualFacets, pixel: np.ndarray, at: np.ndarray
+    maps: dict[str, Any], convex: BeamStone, facets: VirtualFacets, pixel: np.ndarray, at: np.ndarray
 ) -> None:
     """Write what single rays through places (n, 2) of the view find into pixels (n,) of the maps."""
     model, rays = facets.model, np.zeros(len(at), RAY)
-    enter_rays(at, facets.view.basis(), ready.solid, ready.facet, model.index, rays)
-    follow_rays(ready.solid, ready.facet, model.index, model.max_reflections, rays)
-    paths = ray_paths(rays, ready.facet, np.zeros(len(at)), ready.stone)
+    enter_rays(at, facets.view.basis(), convex.solid, convex.facet, model.index, rays)
+    follow_rays(convex.solid, convex.facet, model.index, model.max_reflections, rays)
+    paths = ray_paths(rays, convex.facet, np.zeros(len(at)), convex.stone)
     rear, exits = inoue.rear_mask(paths, model), (paths.status == RayStatus.EXITED)[:, None]
     for name, value in {
         "primary_intensity": LIGHT_LEVEL * inoue.primary_intensity(paths, model, rear),

@@ -93,9 +93,9 @@ def measure_facets(
     """Score a stone as `measure` does; return its virtual facets too, of a symmetric one those of a part."""
     start = time.perf_counter()
     wanted = check_bound(bound)
-    ready = stone if isinstance(stone, BeamStone) else beam_stone(stone)
-    facets = trace_facets(ready, view=view, model=model, whole=False, budget=budget)
-    resolved, near = facet_sums(facets), NearGirdle(ready, facets, seed)
+    convex = stone if isinstance(stone, BeamStone) else beam_stone(stone)
+    facets = trace_facets(convex, view=view, model=model, whole=False, budget=budget)
+    resolved, near = facet_sums(facets), NearGirdle(convex, facets, seed)
     rays = _FIRST_RAYS
     while True:
         near.go_on(near.numbers(rays), progress, budget)

@@ -39,7 +39,7 @@ _SMALL, _FEWEST = 2e-3, 8
 #: Rays of a set that are traced at a time, between two reports of progress.
 _BLOCK = 1 << 14
 #: Fewer rays than this are not worth a thread.
-_THREAD_RAYS = 3_000
+_THREAD_RAYS = 20_000
 
 
 class NearGirdle:
@@ -47,7 +47,7 @@ class NearGirdle:
 
     Parameters
     ----------
-    ready : BeamStone
+    convex : BeamStone
         The stone.
     facets : VirtualFacets
         Its polygons.
@@ -70,18 +70,18 @@ class NearGirdle:
         Area of the rim [girdle radius^2].
     """
 
-    def __init__(self, ready: BeamStone, facets: VirtualFacets, seed: int) -> None:
-        self._ready, self._model, self._rules = ready, facets.model, kernel_rules(facets.model)
+    def __init__(self, convex: BeamStone, facets: VirtualFacets, seed: int) -> None:
+        self._convex, self._model, self._rules = convex, facets.model, kernel_rules(facets.model)
         self._shifts = np.random.default_rng(seed).random((SETS, 2, 2))
         self.stopped = False
         self.sums, self.rays, self._done = np.zeros((SETS, 2, N_SUMS)), 0, [0, 0]
         self._seconds = [0.0, 0.0]
         cells = _Cells(facets)
-        self._regions: tuple[_Region, _Region] = (cells, _Rim(ready, facets))
+        self._regions: tuple[_Region, _Region] = (cells, _Rim(convex, facets))
         self.cell_area = cells.area
         seen = float(facets.area.sum())
         is_round = facets.stone.is_round  # else polygons tell all of the view
-        self.view_area = view_area(facets.stone, facets.view) / facets.parts if is_round else seen
+        self.view_area = view_area(convex, facets.view) / facets.parts if is_round else seen
         self.rim_area = max(self.view_area - seen, 0.0)
 
     def numbers(self, rays: int) -> tuple[int, int]:
@@ -134,13 +134,13 @@ class NearGirdle:
 
     def _trace(self, region: _Region, unit: np.ndarray) -> np.ndarray:
         """Follow the rays of all sets through points of the unit square (SETS, n, 2); (SETS, N_SUMS)."""
-        solid, facet, rules = self._ready.solid, self._ready.facet, self._rules
+        solid, facet, rules = self._convex.solid, self._convex.facet, self._rules
 
         def some_sets(part: np.ndarray) -> np.ndarray:
             n = part.shape[1]
             rays, weights, of = region.rays(part.reshape(-1, 2))
             follow_rays(solid, facet, rules.refractive_index, rules.max_reflections, rays)
-            paths = ray_paths(rays, facet, weights / n, self._ready.stone)
+            paths = ray_paths(rays, facet, weights / n, self._convex.stone)
             rear = inoue.rear_mask(paths, self._model)
             intensity = inoue.primary_intensity(paths, self._model, rear)
             return inoue.sum_up(paths, rear, intensity, of // n, len(part))
@@ -216,8 +216,8 @@ class _Cells:
 class _Rim:
     """What of the view no polygon covers: a narrow rim, and the girdle where it is seen from the side."""
 
-    def __init__(self, ready: BeamStone, facets: VirtualFacets) -> None:
-        self._ready, self._facets = ready, facets
+    def __init__(self, convex: BeamStone, facets: VirtualFacets) -> None:
+        self._convex, self._facets = convex, facets
         self._reach = facets.stone.reach if facets.view.tilt_deg else 1.0
         # Lines that lie along no edge of a symmetric stone; in a wedge they cross the rim steeply.
         self._azimuth, self._low, self._high = 0.1234, -self._reach, self._reach
@@ -233,6 +233,6 @@ class _Rim:
         )
         rays = np.zeros(len(places), RAY)
         enter_rays(
-            places, facets.view.basis(), self._ready.solid, self._ready.facet, facets.model.index, rays
+            places, facets.view.basis(), self._convex.solid, self._convex.facet, facets.model.index, rays
         )  # fmt: skip
         return rays, lengths * (self._high - self._low), lines

@@ -42,6 +42,7 @@ from gemrender.beam.lists import (
     POLYGON_BYTES,
     UNACCOUNTED,
     Path,
+    Work,
     add,
     empty_work,
     has_room,
@@ -49,7 +50,16 @@ from gemrender.beam.lists import (
 )
 from gemrender.beam.rules import Rules, Solid
 
-__all__ = ["EXITED", "GIRDLE_CELL", "TRAPPED", "Traced", "follow_polygons", "see_facets", "trace_polygons"]
+__all__ = [
+    "EXITED",
+    "GIRDLE_CELL",
+    "TRAPPED",
+    "Traced",
+    "follow_polygons",
+    "see_facets",
+    "seen_outlines",
+    "trace_polygons",
+]
 
 # Whole numbers of numpy's: for a plain one that is passed on numba compiles a function of its own.
 #: What became of a polygon.
@@ -203,8 +213,7 @@ def _leave(
         return real(size)
     written = 0.0
     for sign in (1.0, -1.0):
-        z = sign * (beam.z - rules.ground)
-        other, m = keep_below(table, part, n, z, sign * beam.zu, sign * beam.zv)
+        other, m = keep_below(table, part, n, sign * (beam.z - rules.ground), sign * beam.zu, sign * beam.zv)
         size = area(table[other], m)
         if m and real(size) >= _NO_AREA:
             written += real(size)
@@ -300,6 +309,37 @@ def follow_polygons(solid: Any, rules: Any, seen: float, limits: Any, work: Any)
 # ---- Both ----------------------------------------------------------------------------------------------
 
 
+def seen_outlines(solid: Solid, basis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the outlines of a stone's facets in a view.
+
+    Parameters
+    ----------
+    solid, basis
+        As for `trace_polygons`.
+
+    Returns
+    -------
+    outlines, outline_ends
+        As in `Traced`.
+    """
+    work = _start(solid, basis, np.empty((0, 3)), 2.0)  # the index does not matter
+    return _outlines(work, len(solid.planes))
+
+
+def _start(solid: Solid, basis: np.ndarray, wedge: np.ndarray, index: float) -> Work:
+    """Return lists in which the facets that the eye sees wait."""
+    work = empty_work(len(solid.planes), len(solid.rim) + len(wedge) + 8, solid.planes.dtype)
+    see_facets(solid, basis, wedge, index, work)
+    return work
+
+
+def _outlines(work: Work, p: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the outlines of the facets that wait, and where the corners of each of p planes end."""
+    waiting, seen, numbers = work.waiting, int(work.used[0]), np.zeros(p, np.int64)
+    numbers[work.nodes[:seen, 1]] = np.diff(waiting.facts[:seen, 0], prepend=0)
+    return waiting.corners[: waiting.used[0]].copy(), np.cumsum(numbers)
+
+
 def trace_polygons(
     solid: Solid, basis: np.ndarray, wedge: np.ndarray, rules: Rules, limits: np.ndarray
 ) -> Traced:
@@ -320,13 +360,9 @@ def trace_polygons(
         cells; once the lists hold half of the second [bytes] those smaller than the third, and once they hold
         all of it all. May change while this runs.
     """
-    p, kind = len(solid.planes), solid.planes.dtype
-    work = empty_work(p, len(solid.rim) + len(wedge) + 8, kind)
-    see_facets(solid, basis, wedge, rules.refractive_index, work)
-    waiting, seen = work.waiting, int(work.used[0])
-    outlines, numbers = waiting.corners[: waiting.used[0]].copy(), np.zeros(p, np.int64)
-    numbers[work.nodes[:seen, 1]] = np.diff(waiting.facts[:seen, 0], prepend=0)
-    whole = float(waiting.numbers[:seen, BEAM].real.sum())
+    work = _start(solid, basis, wedge, rules.refractive_index)
+    outlines, outline_ends = _outlines(work, len(solid.planes))
+    whole = float(work.waiting.numbers[: work.used[0], BEAM].real.sum())
     while not follow_polygons(solid, rules, whole, limits, work):
         work = with_room(work)
     corners, n = work.done.used
@@ -340,7 +376,7 @@ def trace_polygons(
         beams=states[:, :BEAM],
         nodes=work.nodes[: work.used[0]],
         outlines=outlines,
-        outline_ends=np.cumsum(numbers),
+        outline_ends=outline_ends,
         unaccounted=unaccounted,
         no_time=no_time,
         no_memory=no_memory,

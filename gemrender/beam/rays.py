@@ -57,19 +57,26 @@ _TRAPPED, _LOST = int(RayStatus.TRAPPED), int(RayStatus.LOST)
 def _nearest_planes(planes: Any, block: Any, n: int) -> None:
     """Find the plane that each ray of a block meets next.
 
-    Distances are compared as fractions, without a division.
+    Distances are compared as fractions, without a division; two planes at a time, which share the loads.
     """
     for k in range(n):
         block[_GAP + k], block[_SLOPE + k], block[_PLANE + k] = math.inf, 1.0, -1.0
-    for i in range(planes.shape[0]):
-        nx, ny, nz, offset, number = planes[i, 0], planes[i, 1], planes[i, 2], planes[i, 3], float(i)
+    for i in range(0, planes.shape[0], 2):
+        j = min(i + 1, planes.shape[0] - 1)
+        ax, ay, az, a_offset, a_number = planes[i, 0], planes[i, 1], planes[i, 2], planes[i, 3], float(i)
+        bx, by, bz, b_offset, b_number = planes[j, 0], planes[j, 1], planes[j, 2], planes[j, 3], float(j)
         for k in range(n):
-            slope = nx * block[_DX + k] + ny * block[_DY + k] + nz * block[_DZ + k]
-            gap = offset - nx * block[_X + k] - ny * block[_Y + k] - nz * block[_Z + k]
-            closer = (slope > PARALLEL) & (gap * block[_SLOPE + k] < block[_GAP + k] * slope)
-            block[_GAP + k] = gap if closer else block[_GAP + k]
-            block[_SLOPE + k] = slope if closer else block[_SLOPE + k]
-            block[_PLANE + k] = number if closer else block[_PLANE + k]
+            x, y, z = block[_X + k], block[_Y + k], block[_Z + k]
+            dx, dy, dz = block[_DX + k], block[_DY + k], block[_DZ + k]
+            gap, slope, plane = block[_GAP + k], block[_SLOPE + k], block[_PLANE + k]
+            a_slope, a_gap = ax * dx + ay * dy + az * dz, a_offset - ax * x - ay * y - az * z
+            b_slope, b_gap = bx * dx + by * dy + bz * dz, b_offset - bx * x - by * y - bz * z
+            closer = (a_slope > PARALLEL) & (a_gap * slope < gap * a_slope)
+            gap, slope = a_gap if closer else gap, a_slope if closer else slope
+            plane = a_number if closer else plane
+            closer = (b_slope > PARALLEL) & (b_gap * slope < gap * b_slope)
+            block[_GAP + k], block[_SLOPE + k] = b_gap if closer else gap, b_slope if closer else slope
+            block[_PLANE + k] = b_number if closer else plane
 
 
 @jit_fast

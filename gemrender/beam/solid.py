@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 
 import numpy as np
 
@@ -24,7 +24,7 @@ NO_WEDGE = np.empty((0, 3))
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BeamStone:
-    """A convex stone, ready for beams.
+    """A convex stone as beams meet it.
 
     Attributes
     ----------
@@ -80,6 +80,7 @@ def beam_stone(stone: Stone) -> BeamStone:
     )
 
 
+@cache
 def _chords(number: int) -> np.ndarray:
     """Upright planes through so many even chords of the circle of radius 1, (number, 3)."""
     azimuth = (np.arange(number) + 0.5) * (2 * np.pi / number)

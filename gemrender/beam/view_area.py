@@ -4,71 +4,110 @@ from __future__ import annotations
 
 import numpy as np
 
+from gemrender.beam.polygons import seen_outlines
+from gemrender.beam.solid import NO_WEDGE, BeamStone
 from gemrender.observation import View
-from gemrender.stone import ConvexSolid, Stone
-from gemrender.stone.polyhedron import Polyhedron
-from gemrender.stone.solid import ROUND_PIECES
+from gemrender.stone import ConvexSolid
+from gemrender.stone.facets import LEVEL
 
 __all__ = ["view_area"]
 
-#: The outline of a thin stone is integrated by Gauss's rule over so many pieces, at so many azimuths each.
-#: The corners of a symmetric one lie between pieces.
-_PIECES, _NODES = 1024, 4
-#: A girdle that is thicker than this at 128 azimuths is so everywhere [girdle radius]: between them its
-#: thickness changes by a third of it.
-_THICK, _LOOKS = 1e-3, 128
+_UP, _RIGHT = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
 
 
-def view_area(stone: Stone, view: View) -> float:
-    """Return the area of a stone's view [girdle radius^2], right to some 1e-6.
+def view_area(convex: BeamStone, view: View) -> float:
+    """Return the area of a convex stone's view [girdle radius^2].
 
-    A round girdle seen from straight above is the unit disc, unless it is so thin that crown and pavilion
-    meet within it. Views from the side are measured on polyhedra with coarser and finer girdles, extrapolated
-    to round ones: what they lack falls as the square of the number of pieces (Richardson).
+    It is what the surface shows towards the eye: of plane facets their areas times the cosine, and of a round
+    girdle the integral of its height times the cosine. Both are known in closed form, since seen along the
+    axis a facet is a polygon that the unit circle cuts.
     """
-    solid = stone.solid
+    solid, eye = convex.stone.solid, view.basis()[2]
     assert isinstance(solid, ConvexSolid)
-    if solid.is_round and view.tilt_deg == 0:
-        return _area_from_above(stone)
-    eye = view.basis()[2]
-
-    def seen(body: Polyhedron) -> float:
-        return float(np.maximum(body.crosses @ eye, 0.0).sum())
-
     if not solid.is_round:
-        return seen(solid.polyhedron)
-    coarse, fine = seen(solid.cut(ROUND_PIECES // 2)), seen(solid.polyhedron)
-    return fine + (fine - coarse) / 3
-
-
-def _area_from_above(stone: Stone) -> float:
-    # Height of each plane along each azimuth: on the axis, and its slope by radius.
-    normals, offsets = stone.facet_normals, stone.facet_offsets
-    crown = normals[:, 2] > 0
-    on_axis = offsets / normals[:, 2]
-
-    def slopes_at(azimuth: np.ndarray) -> np.ndarray:
-        return np.asarray(-(normals[:, :2] / normals[:, 2:]) @ [np.cos(azimuth), np.sin(azimuth)])
-
-    heights = on_axis[:, None] + slopes_at((np.arange(_LOOKS) + 0.5) * (2 * np.pi / _LOOKS))
-    if (heights[crown].min(axis=0) - heights[~crown].max(axis=0)).min() > _THICK:
+        return float(np.maximum(solid.polyhedron.crosses @ eye, 0.0).sum())
+    planes, total = convex.solid.values, 0.0
+    side = np.hypot(eye[0], eye[1])
+    across = float(np.arctan2(eye[1], eye[0]))
+    towards = np.array([[np.cos(across), np.sin(across)], [-np.sin(across), np.cos(across)]])
+    level = np.abs(planes[:, 2]) <= LEVEL
+    if not side and not level.any() and _is_thick(planes):
         return np.pi
-    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-    azimuth = (2 * np.pi / _PIECES) * (np.arange(_PIECES)[:, None] + 0.5 + 0.5 * nodes).ravel()
-    slopes, rows, radius = slopes_at(azimuth), np.arange(len(azimuth)), np.ones(len(azimuth))
-    # Newton's rule for where the crown's lowest and the pavilion's highest plane meet. Their distance is a
-    # concave function of the radius, so that it comes from outside and ends after a few planes.
-    for _ in range(len(normals)):
-        heights = on_axis[:, None] + slopes * radius
-        top = np.where(crown[:, None], heights, np.inf).argmin(axis=0)
-        bottom = np.where(crown[:, None], -np.inf, heights).argmax(axis=0)
-        thickness = heights[top, rows] - heights[bottom, rows]
-        thin = thickness < 0.0
-        if not thin.any():
-            break
-        by_radius = slopes[top, rows] - slopes[bottom, rows]
-        radius[thin] -= thickness[thin] / by_radius[thin]
-        if np.abs(thickness[thin]).max() < 1e-15:
-            break
-    lacking = (1.0 - radius**2).reshape(_PIECES, _NODES) @ weights  # of twice the mean
-    return float(np.pi - 0.5 * np.pi * lacking.mean())
+    if level.any() and side:  # a flat cut into the cylinder, seen from neither end
+        total += float(np.maximum(solid.polyhedron.crosses[: len(planes)][level] @ eye, 0.0).sum())
+    for end in (1.0, -1.0) if side else (1.0,):
+        basis = np.stack([_RIGHT, end * np.array([0.0, 1.0, 0.0]), end * _UP])
+        outlines, ends = seen_outlines(convex.solid._replace(rim=NO_WEDGE), basis)
+        of, start, stop = _edges(outlines * [1.0, end], ends, end)
+        inside, from_angle, to_angle = _within_circle(start, stop)
+        plane = planes[of]
+        area = inside + 0.5 * (to_angle - from_angle).sum(axis=1)
+        total += float(np.maximum(plane[:, :3] @ eye, 0.0) / np.abs(plane[:, 2]) @ area)
+        if side:
+            turned = np.column_stack([plane[:, :2] @ towards.T, plane[:, 2:]])
+            wall = _under_arcs(turned, to_angle - across) - _under_arcs(turned, from_angle - across)
+            total += float(end * side * wall.sum())
+    return total
+
+
+def _is_thick(planes: np.ndarray) -> bool:
+    """Whether crown and pavilion planes (p, 4) meet nowhere within the unit circle."""
+    heights = np.column_stack([planes[:, :2], planes[:, 3]]) / planes[:, 2:3]
+    upper, lower = (heights[planes[:, 2] * sign > 0] for sign in (1.0, -1.0))
+    between = upper[:, None] - lower
+    return bool((between[..., 2] ** 2 >= between[..., 0] ** 2 + between[..., 1] ** 2).all())
+
+
+def _edges(corners: np.ndarray, ends: np.ndarray, sense: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the polygon of each edge (e,), and where it begins and ends (e, 2), anticlockwise from above.
+
+    From corners (c, 2) of polygons one after the other, in the sense +1 or -1, and where those of each end.
+    """
+    numbers = np.diff(ends, prepend=0)
+    of = np.repeat(np.arange(len(ends)), numbers)
+    after = np.arange(1, len(corners) + 1)
+    last = ends[numbers > 0] - 1
+    after[last] = (ends - numbers)[numbers > 0]
+    return (of, corners, corners[after]) if sense > 0 else (of, corners[after], corners)
+
+
+def _within_circle(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return what edges from a to b, (e, 2), add to the part of their polygons within the unit circle.
+
+    Returns
+    -------
+    inside : (e,) float64
+        Area between the origin and what of the edge lies within the circle, signed.
+    start, stop : (e, 2) float64
+        Angles between which the rest is seen from the origin, before it and after it [rad], signed: there the
+        circle bounds the part.
+    """
+    along = b - a
+    square, half = (along**2).sum(axis=1), (a * along).sum(axis=1)
+    left = half**2 - square * ((a**2).sum(axis=1) - 1.0)
+    meets = (left > 0.0) & (square > 0.0)
+    root, length = np.sqrt(np.where(meets, left, 0.0)), np.where(square > 0.0, square, 1.0)
+    t0, t1 = (np.clip(np.where(meets, (-half + s * root) / length, 1.0), 0.0, 1.0) for s in (-1.0, 1.0))
+    enters, leaves = a + t0[:, None] * along, b - (1.0 - t1)[:, None] * along  # a and b themselves, if inside
+    inside = 0.5 * (enters[:, 0] * leaves[:, 1] - enters[:, 1] * leaves[:, 0])
+    points = np.stack([a, enters, leaves, b], axis=1)
+    angle = np.arctan2(points[..., 1], points[..., 0])
+    start, turn = angle[:, [0, 2]], angle[:, [1, 3]] - angle[:, [0, 2]]
+    return inside, start, start + (turn + np.pi) % (2 * np.pi) - np.pi
+
+
+def _under_arcs(planes: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    """Integrate the height of planes (e, 4) on the unit circle times the cosine where that is positive.
+
+    From the azimuth 0 to angles (e, k) [rad], from -3 pi to 3 pi.
+    """
+    nx, ny, nz, offset = (planes[:, k, None] for k in range(4))
+
+    def upto(x: np.ndarray | float) -> np.ndarray:
+        sin = np.sin(x)
+        return np.asarray((offset * sin - 0.5 * nx * (x + sin * np.cos(x)) - 0.5 * ny * sin**2) / nz)
+
+    wrapped = (angle + np.pi) % (2 * np.pi) - np.pi
+    turns = np.round((angle - wrapped) / (2 * np.pi))
+    whole = upto(0.5 * np.pi) - upto(-0.5 * np.pi)
+    return np.asarray(upto(np.clip(wrapped, -0.5 * np.pi, 0.5 * np.pi)) + turns * whole)

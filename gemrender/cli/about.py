@@ -10,7 +10,7 @@ import typer
 from gemrender.cli.gems import complete_setups
 from gemrender.cli.groups import command
 from gemrender.cli.options import OUTPUT, TableOptions, bundled_names
-from gemrender.cli.output import print_records, stdout, told_as
+from gemrender.cli.output import named_as, print_records, stdout
 from gemrender.cli.values import complete_materials, complete_words
 
 __all__ = ["doctor", "materials", "setups", "stones"]
@@ -77,7 +77,7 @@ def materials(
     if show is not None:
         _print_template(material_template, show)
         return
-    with told_as("MATERIAL"):
+    with named_as("MATERIAL"):
         print_records(
             table.chosen,
             tables=lambda: [sheet_table(names) if names else material_table()],
@@ -86,7 +86,7 @@ def materials(
 
 
 def _print_template(template: Callable[[str], str], name: str) -> None:
-    with told_as("--show"):
+    with named_as("--show"):
         typer.echo(template(name), nl=False)
 
 
@@ -114,9 +114,9 @@ def doctor(
     form = table.chosen
     checks = diagnose()
     if form == "table":
-        ready = print_doctor(checks, stdout())
+        passed = print_doctor(checks, stdout())
     else:
-        ready = all(check.ok is not False for check in checks)
+        passed = all(check.ok is not False for check in checks)
         print_records(form, tables=lambda: [check_table(checks)], records=lambda: check_records(checks))
-    if not ready:
+    if not passed:
         raise typer.Exit(1)

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from gemrender.report.formats import TextTable
 
 __all__ = [
+    "named_as",
     "output_file",
     "patience",
     "print_csv",
@@ -30,7 +31,6 @@ __all__ = [
     "renamed",
     "say",
     "stdout",
-    "told_as",
 ]
 
 #: Progress is shown of work that takes longer [s].
@@ -178,7 +178,7 @@ def renamed(old: str, old_value: Any, new: str, new_value: Any, default: Any) ->
 
 
 @contextmanager
-def told_as(argument: str) -> Iterator[None]:
+def named_as(argument: str) -> Iterator[None]:
     """Tell input errors that come from no file as those of an argument or option."""
     try:
         yield

@@ -137,7 +137,7 @@ def load(
         Material of all stones, or its refractive index, in place of what their files say.
     """
     from gemrender.cuts import load_stones, vary
-    from gemrender.reading import told_at
+    from gemrender.reading import located_at
 
     if settings:
         if len(names) != 1:
@@ -145,7 +145,7 @@ def load(
         stones = load_stones(names[0])
         if len(stones) != 1:
             raise InputError("varies one stone, not a table of them", key="--set", value=settings[0])
-        with told_at("--set"):
+        with located_at("--set"):
             parts: list[StonesOfSource] = [vary(stones[0], settings)]
     else:
         parts = []

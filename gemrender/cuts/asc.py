@@ -20,9 +20,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from gemrender.cuts.design import LARGEST_ANGLE, MOST_FACETS, Design, Tier
-from gemrender.cuts.text import decoded, number_of, one_line, told_number
+from gemrender.cuts.text import decoded, number_of, number_text, one_line
 from gemrender.errors import InputError
-from gemrender.reading import read_bytes, told_at
+from gemrender.reading import located_at, read_bytes
 from gemrender.writing import write_whole
 
 __all__ = ["parse_asc", "read_asc", "write_asc"]
@@ -56,7 +56,7 @@ def read_asc(path: str | os.PathLike[str]) -> Design:
         The file cannot be read, or a line is none of a design.
     """
     file = Path(path)
-    with told_at(str(file)):
+    with located_at(str(file)):
         return parse_asc(read_bytes(file, kind="GemCad .asc"))
 
 
@@ -66,7 +66,7 @@ def parse_asc(data: bytes) -> Design:
     Raises
     ------
     InputError
-        A line is none of a design; its key is the line. It has no source: see `told_at`.
+        A line is none of a design; its key is the line. It has no source: see `located_at`.
     """
     reader = _Reader()
     for number, line in enumerate(decoded(data).split("\n"), start=1):
@@ -91,9 +91,9 @@ def write_asc(design: Design, path: str | os.PathLike[str]) -> None:
     """
     lines = [
         "GemCad 5.0",
-        f"g {told_number(design.gear)} {told_number(design.offset, 1)}",
+        f"g {number_text(design.gear)} {number_text(design.offset, 1)}",
         f"y {design.folds} {'y' if design.is_mirrored else 'n'}",
-        *([] if design.index is None else [f"I {told_number(design.index, 2)}"]),
+        *([] if design.index is None else [f"I {number_text(design.index, 2)}"]),
         *[f"H {one_line(header)}" for header in design.headers],
         *map(_tier_line, design.tiers),
         *[f"F {one_line(footnote)}" for footnote in design.footnotes],
@@ -111,10 +111,10 @@ def _tier_line(tier: Tier) -> str:
     angle, distance = float(tier.angle_deg.real), float(tier.distance.real)
     if angle == 0 and not tier.is_crown:  # a culet facet: every reader knows it by its negative distance
         angle, distance = 0.0, -distance
-    items = [f"a {told_number(angle, 6)} {told_number(distance, 8)}"]
+    items = [f"a {number_text(angle, 6)} {number_text(distance, 8)}"]
     before = ""
     for index, name in zip(tier.indices, tier.facet_names(), strict=True):
-        items.append(told_number(index))
+        items.append(number_text(index))
         if name != before:
             items.append(f"n {'_'.join(name.split())}")
             before = name

@@ -18,7 +18,7 @@ from gemrender.cuts.round_girdle import girdle_planes
 from gemrender.cuts.tiers import gear_of, tiers_of
 from gemrender.errors import InputError
 from gemrender.optics.materials import refractive_index
-from gemrender.reading import told_at
+from gemrender.reading import located_at
 from gemrender.stone.polyhedron import interior_point
 from gemrender.stone.solid import ROUND_PIECES, ConvexSolid
 from gemrender.stone.stone import Stone
@@ -61,7 +61,7 @@ def save_stone(stone: Stone, path: str | os.PathLike[str], *, kind: str | None =
     """
     file = Path(path)
     kind = kind or file.suffix.lower().lstrip(".")
-    with told_at(str(file)):
+    with located_at(str(file)):
         if kind not in WRITTEN_KINDS:
             kinds = ", ".join(f".{kind}" for kind in WRITTEN_KINDS)
             raise InputError(f"must end in one of {kinds}", key="file", value=file.name)
@@ -77,7 +77,7 @@ def save_stone(stone: Stone, path: str | os.PathLike[str], *, kind: str | None =
             save_vertices(stone, file)
             return ()
         write_mesh(stone, file, kind=kind)
-        return (_told_girdle(ROUND_PIECES),) if stone.is_round else ()
+        return (_girdle_note(ROUND_PIECES),) if stone.is_round else ()
 
 
 def design_of(stone: Stone) -> tuple[Design, tuple[str, ...]]:
@@ -111,7 +111,7 @@ def design_of(stone: Stone) -> tuple[Design, tuple[str, ...]]:
         girdle = girdle_planes(solid, pieces)
         planes = np.concatenate([planes, girdle])
         facet = np.concatenate([facet, np.full(len(girdle), solid.n_facets - 1)])
-        notes = (_told_girdle(len(girdle)),)
+        notes = (_girdle_note(len(girdle)),)
     elif len(planes) > solid.n_facets:
         notes = (f"facets that are not flat became {len(planes) - solid.n_facets} more",)
     if len(planes) > MOST_FACETS:
@@ -134,5 +134,5 @@ def _origin(planes: np.ndarray) -> np.ndarray:
     return np.zeros(3) if planes[:, 3].min() >= LEAST_DISTANCE else interior_point(planes)
 
 
-def _told_girdle(pieces: int) -> str:
+def _girdle_note(pieces: int) -> str:
     return f"the round girdle became {pieces} level facets"

@@ -23,7 +23,7 @@ from gemrender.stone.polyhedron import intersect
 from gemrender.stone.solid import convex_solid
 from gemrender.stone.stone import Stone
 
-__all__ = ["MOST_FACETS", "Design", "Tier", "told_names"]
+__all__ = ["MOST_FACETS", "Design", "Tier", "names_text"]
 
 #: Most facets of a design; of 2,270 designs the largest has 637.
 MOST_FACETS = 5000
@@ -197,7 +197,7 @@ class Design:
         names: dict[str, None] = {}
         indices = (index for tier in self.tiers for index in tier.indices)
         for kind, index in zip(kinds, indices, strict=True):
-            name = first = kind if kind in alone else f"{kind}_{self._told_index(index)}"
+            name = first = kind if kind in alone else f"{kind}_{self._index_text(index)}"
             number = 1
             while name in names:
                 number += 1
@@ -250,13 +250,13 @@ class Design:
             name for name, number, own in zip(names, first, range(len(first)), strict=True) if number != own
         ]
         if twins:
-            notes.append(f"the same plane stands twice, once is used: {told_names(twins)}")
+            notes.append(f"the same plane stands twice, once is used: {names_text(twins)}")
         used = np.unique(first)
         framed, _ = in_frame(planes[used])
         solid, left = convex_solid(framed, np.arange(len(used)))
         gone = [names[used[number]] for number in sorted(set(range(len(used))) - set(left.tolist()))]
         if gone:
-            notes.append(f"other facets cut away {told_names(gone)}")
+            notes.append(f"other facets cut away {names_text(gone)}")
         assumed = list(facts.pop("assumed", ()))
         if facts.get("material") is None:
             facts["material"] = self.index
@@ -275,7 +275,7 @@ class Design:
             **facts,
         )
 
-    def _told_index(self, index: float | complex) -> str:
+    def _index_text(self, index: float | complex) -> str:
         """Return an index as faceters say it: 1 to the number of teeth."""
         teeth = abs(self.gear)
         place = float(np.real(index)) % teeth
@@ -306,7 +306,7 @@ def sin_cos_deg(angle_deg: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.select(where, [sin, cos, -sin], -cos), np.select(where, [cos, -sin, -cos], sin)
 
 
-def told_names(names: Sequence[str]) -> str:
+def names_text(names: Sequence[str]) -> str:
     """Return names for a note: the first few, and how many more there are."""
     more = len(names) - MOST_NAMED
     return ", ".join(names[:MOST_NAMED]) + (f" and {more} more" if more > 0 else "")

@@ -31,6 +31,7 @@ from gemrender.reading import MOST_BYTES as MOST_BYTES
 from gemrender.reading import (
     bundled_files,
     did_you_mean,
+    located_at,
     parse_toml,
     read_lines,
     refuse_missing,
@@ -38,7 +39,6 @@ from gemrender.reading import (
     section,
     stem,
     text_line,
-    told_at,
 )
 from gemrender.stone import Stone
 from gemrender.writing import write_whole
@@ -185,7 +185,7 @@ def _no_such_file(path: Path) -> str:
 
 def _from_toml(path: Path) -> Stone:
     source = str(path)
-    with told_at(source), Mistakes() as mistakes:
+    with located_at(source), Mistakes() as mistakes:
         top = parse_toml(read_lines(path, kind="stone", missing=_no_such_file(path)), kind="stone")
         mistakes.of(refuse_unknown, top, _TOP, hint=_home)
         name = mistakes.of(text_line, top, "name", stem(path, "stone"), LONGEST_NAME)
@@ -210,7 +210,7 @@ def _from_toml(path: Path) -> Stone:
         else:
             proportions, assumed = _proportions(top, shape, mistakes)
     if shape == "cut":
-        with told_at(source, shape):
+        with located_at(source, shape):
             made: Stone = cut.stone(name=str(name), material=material, source=source, description=shape)
             return made
     if shape == "vertices":
@@ -226,7 +226,7 @@ def _from_toml(path: Path) -> Stone:
             missing=f"no such file; named by {shape} in {path}",
         )
     assert proportions is not None
-    with told_at(source, shape):
+    with located_at(source, shape):
         return Stone.from_proportions(
             proportions,
             name=str(name),
@@ -248,7 +248,7 @@ def _proportions(
     misspelt = len(mistakes.errors) > before
 
     def made() -> tuple[RoundBrilliant | None, tuple[str, ...]]:
-        with told_at(None, shape):
+        with located_at(None, shape):
             if is_report:
                 checked_values({key: value for key, value in values.items() if _has_range(key, value)})
                 if missing_parts(values):
@@ -330,7 +330,7 @@ def _cut(values: object) -> Any:
     """Return the cut that [cut] describes: a family by its name, and its parameters."""
     known = families()
     allowed = ", ".join(f'"{name}"' for name in known)
-    with told_at(None, "cut"):
+    with located_at(None, "cut"):
         if not isinstance(values, dict) or "family" not in values:
             raise InputError(f"missing; must be one of {allowed}", key="family")
         family = values["family"]
@@ -361,7 +361,7 @@ def _measured(
     """Load the vertices that a TOML file names, or a bare CSV file."""
     source = str(path)
     missing = _no_such_file(path) if toml is None else f"no such file; named by vertices in {toml}"
-    with told_at(source):
+    with located_at(source):
         vertices = _vertices(read_lines(path, kind="stone", missing=missing))
         return stone_from_vertices(vertices, name=name, material=material, source=str(toml or path))
 

@@ -28,7 +28,7 @@ from gemrender.cuts.design import MOST_FACETS, Design
 from gemrender.cuts.text import number_of, one_line
 from gemrender.cuts.tiers import DOUBLE_ROUNDING, SINGLE_ROUNDING, tiers_of
 from gemrender.errors import InputError
-from gemrender.reading import read_bytes, told_at
+from gemrender.reading import located_at, read_bytes
 from gemrender.stone.polyhedron import intersect
 from gemrender.writing import write_whole
 
@@ -64,7 +64,7 @@ def read_gcs(path: str | os.PathLike[str]) -> Design:
         The file cannot be read, or is none of Gem Cut Studio's.
     """
     file = Path(path)
-    with told_at(str(file)):
+    with located_at(str(file)):
         return parse_gcs(read_bytes(file, kind="Gem Cut Studio .gcs", most_bytes=20_000_000))
 
 
@@ -74,7 +74,7 @@ def parse_gcs(data: bytes) -> Design:
     Raises
     ------
     InputError
-        They are none of Gem Cut Studio's. It has no source: see `told_at`.
+        They are none of Gem Cut Studio's. It has no source: see `located_at`.
     """
     root = _root(data)
     wheel = root.find("index")

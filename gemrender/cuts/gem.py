@@ -28,7 +28,7 @@ from gemrender.cuts.design import MOST_FACETS, Design
 from gemrender.cuts.text import decoded, one_line
 from gemrender.cuts.tiers import tiers_of
 from gemrender.errors import InputError
-from gemrender.reading import read_bytes, told_at
+from gemrender.reading import located_at, read_bytes
 from gemrender.writing import write_whole
 
 __all__ = ["looks_like_gem", "parse_gem", "read_gem", "write_gem"]
@@ -63,7 +63,7 @@ def read_gem(path: str | os.PathLike[str]) -> Design:
         The file cannot be read, or is none of GemCad's.
     """
     file = Path(path)
-    with told_at(str(file)):
+    with located_at(str(file)):
         return parse_gem(read_bytes(file, kind="GemCad .gem", most_bytes=10_000_000))
 
 
@@ -82,7 +82,7 @@ def parse_gem(data: bytes) -> Design:
     Raises
     ------
     InputError
-        They are none of GemCad's. It has no source: see `told_at`.
+        They are none of GemCad's. It has no source: see `located_at`.
     """
     file = _Bytes(data)
     facets = file.facets()

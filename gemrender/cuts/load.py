@@ -15,7 +15,7 @@ from gemrender.cuts.mesh_files import read_mesh
 from gemrender.cuts.mesh_stone import check_up
 from gemrender.cuts.scans import read_scan
 from gemrender.errors import InputError
-from gemrender.reading import read_bytes, stem, told_at
+from gemrender.reading import located_at, read_bytes, stem
 from gemrender.stone.stone import Stone
 
 __all__ = ["load_design_file", "read_design"]
@@ -101,9 +101,9 @@ def load_design_file(
                 "is of meshes only; a design has its table up", source=str(file), key="up", value=up
             )
         design = _READERS[kind](file)
-        with told_at(str(file)):
+        with located_at(str(file)):
             return design.stone(with_headers=with_headers, **facts)
-    with told_at(str(file)):
+    with located_at(str(file)):
         check_up(up)
     if kind == "srn":
         return read_scan(file, up=up, **facts)

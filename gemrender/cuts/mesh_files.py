@@ -24,7 +24,7 @@ from gemrender.cuts.round_girdle import girdle_planes
 from gemrender.cuts.surface import ALL_DIGITS, SIX_DIGITS
 from gemrender.cuts.text import one_line
 from gemrender.errors import BackendError, InputError
-from gemrender.reading import read_bytes, told_at
+from gemrender.reading import located_at, read_bytes
 from gemrender.stone.polyhedron import intersect
 from gemrender.stone.solid import ROUND_PIECES, MeshSolid
 from gemrender.stone.stone import Stone
@@ -67,7 +67,7 @@ def read_mesh(
         There is no trimesh.
     """
     file = Path(path)
-    with told_at(str(file)):
+    with located_at(str(file)):
         data = read_bytes(file, kind="mesh", most_bytes=MOST_BYTES)
         kind = kind or file.suffix.lower().lstrip(".")
         vertices, triangles = parse_mesh(data, kind)
@@ -87,7 +87,7 @@ def parse_mesh(data: bytes, kind: str) -> tuple[np.ndarray, np.ndarray]:
     Raises
     ------
     InputError
-        They are damaged, or hold no mesh. It has no source: see `told_at`.
+        They are damaged, or hold no mesh. It has no source: see `located_at`.
     BackendError
         There is no trimesh.
     """

@@ -64,7 +64,7 @@ def stone_of_triangles(
     notes = [*surface.notes]
     if up is None:
         axis = find_up(surface, facets)
-        notes.append(f"the largest facet was taken for the table: {_told_axis(axis)} is up")
+        notes.append(f"the largest facet was taken for the table: {_axis_note(axis)} is up")
     else:
         axis = np.array(UP[up])
     turn = turned_up(axis)
@@ -123,7 +123,7 @@ def _hollow(
     return solid, np.column_stack([planes[:, :3], moved / unit])
 
 
-def _told_axis(axis: np.ndarray) -> str:
+def _axis_note(axis: np.ndarray) -> str:
     for name, direction in UP.items():
         if np.array_equal(axis, direction):
             return name

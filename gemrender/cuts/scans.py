@@ -14,7 +14,7 @@ import numpy as np
 from gemrender.cuts.mesh_stone import stone_of_triangles
 from gemrender.cuts.text import one_line
 from gemrender.errors import BackendError, InputError
-from gemrender.reading import read_bytes, told_at
+from gemrender.reading import located_at, read_bytes
 from gemrender.stone.stone import Stone
 
 __all__ = ["MICROMETRE_MM", "read_scan"]
@@ -47,7 +47,7 @@ def read_scan(path: str | os.PathLike[str], *, up: str | None = None, **facts: A
         There is no srn-parser.
     """
     file = Path(path)
-    with told_at(str(file)):
+    with located_at(str(file)):
         read_bytes(file, kind="scan", most_bytes=MOST_BYTES)
         parse = _require_parser()
         try:

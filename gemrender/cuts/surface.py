@@ -269,9 +269,9 @@ def _refuse_open(vertices: np.ndarray, triangles: np.ndarray, near: float, *, cr
         return
     largest = int(enclosed.argmax())
     n_edges = int((label == largest).sum())
-    holes_told = f"{len(holes)} holes, the largest" if len(holes) > 1 else "a hole"
+    holes_text = f"{len(holes)} holes, the largest" if len(holes) > 1 else "a hole"
     raise InputError(
-        f"is an open surface: {holes_told} with {n_edges} edges round it near {_point(middles[largest])}"
+        f"is an open surface: {holes_text} with {n_edges} edges round it near {_point(middles[largest])}"
     )
 
 

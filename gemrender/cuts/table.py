@@ -23,7 +23,7 @@ from gemrender.cuts.laboratory import Assumed, Report, missing_parts, read_repor
 from gemrender.cuts.round_brilliant.proportions import RoundBrilliant
 from gemrender.cuts.stones import LONGEST_NAME, Stones
 from gemrender.errors import InputError
-from gemrender.reading import stem, told_at
+from gemrender.reading import located_at, stem
 from gemrender.stone import Stone
 
 __all__ = ["MOST_ROWS", "StoneTable", "is_table", "open_table"]
@@ -31,9 +31,9 @@ __all__ = ["MOST_ROWS", "StoneTable", "is_table", "open_table"]
 #: Most rows of a table.
 MOST_ROWS = 1_000_000
 #: Bad rows that are named in the refusal, besides the first.
-_BAD_ROWS_TOLD = 5
+_BAD_ROWS_LISTED = 5
 #: Different girdles and the like that a note tells apart.
-_KINDS_TOLD = 3
+_KINDS_LISTED = 3
 
 _WORDS = ("girdle", "girdle_thickness")
 #: Read as they are; all other columns hold numbers.
@@ -188,7 +188,7 @@ def open_table(path: Path, missing: str = "no such file") -> StoneTable:
         It cannot be read, lacks a column that a round brilliant needs, or has a bad row: the first is told,
         with its number, column and value.
     """
-    with told_at(str(path)):
+    with located_at(str(path)):
         dialect = sniff(path, missing)
         columns = match_columns(dialect.header)
         if columns is None:
@@ -283,8 +283,8 @@ def _known(columns: Columns) -> dict[str, int]:
 def _others(rows: list[int]) -> str:
     if not rows:
         return ""
-    listed = ", ".join(map(str, rows[:_BAD_ROWS_TOLD]))
-    more = f" and {len(rows) - _BAD_ROWS_TOLD} more" if len(rows) > _BAD_ROWS_TOLD else ""
+    listed = ", ".join(map(str, rows[:_BAD_ROWS_LISTED]))
+    more = f" and {len(rows) - _BAD_ROWS_LISTED} more" if len(rows) > _BAD_ROWS_LISTED else ""
     return f"; bad, too: row{'s' if len(rows) > 1 else ''} {listed}{more}"
 
 
@@ -308,7 +308,7 @@ def _assumed(counts: Counter[tuple[str, str, str]], rows: int) -> Iterator[str]:
             (words, number)
         )
     for together, kinds in by_name.items():
-        if len(kinds) <= _KINDS_TOLD:
+        if len(kinds) <= _KINDS_LISTED:
             yield from (f"assumed in {number} of {rows} rows: {words}" for words, number in kinds)
         else:
             yield f"assumed in {sum(number for _, number in kinds)} of {rows} rows: {together}"

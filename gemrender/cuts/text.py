@@ -6,7 +6,7 @@ import re
 
 from gemrender.errors import InputError
 
-__all__ = ["decoded", "number_of", "one_line", "told_number"]
+__all__ = ["decoded", "number_of", "number_text", "one_line"]
 
 _NUMBER = re.compile(r"[-+]?(\d+([.,]\d*)?|[.,]\d+)([eE][-+]?\d{1,3})?")
 
@@ -48,7 +48,7 @@ def number_of(token: str) -> float | None:
     return number if abs(number) < float("inf") else None
 
 
-def told_number(number: float | complex, decimals: int = 0) -> str:
+def number_text(number: float | complex, decimals: int = 0) -> str:
     """Return a number with so many decimals, or with all that it needs to be read again to the last bit."""
     value = float(number.real)
     text = f"{value:.{decimals}f}"

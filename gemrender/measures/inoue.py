@@ -102,11 +102,10 @@ def sum_up(
     out = np.zeros((n_sets, N_SUMS))
     sets = np.zeros(len(paths), dtype=np.int64) if sets is None else sets
     out[:, INTENSITY] = np.bincount(sets, paths.area * intensity, n_sets)
-    column = np.select(
-        [rear, paths.status == RayStatus.TRAPPED, paths.status == RayStatus.LOST],
-        [REAR, TRAPPED, LOST],
-        BANDS + np.searchsorted(-np.array(BAND_EDGES), -intensity, side="left"),
-    )
+    column = BANDS + np.searchsorted(-np.array(BAND_EDGES), -intensity, side="left")
+    column[rear] = REAR
+    column[paths.status == RayStatus.TRAPPED] = TRAPPED
+    column[paths.status == RayStatus.LOST] = LOST
     met = np.flatnonzero(paths.status != RayStatus.MISSED)
     by_column = np.bincount(sets[met] * N_SUMS + column[met], paths.area[met], n_sets * N_SUMS)
     out += by_column.reshape(n_sets, N_SUMS)

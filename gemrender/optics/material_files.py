@@ -17,6 +17,7 @@ from gemrender.optics.material import Material, checked_density, checked_range
 from gemrender.optics.materials import find_material, material_names, normal_name
 from gemrender.optics.tabulated import Table
 from gemrender.reading import (
+    located_at,
     parse_toml,
     read_lines,
     refuse_missing,
@@ -24,7 +25,6 @@ from gemrender.reading import (
     section,
     stem,
     text_line,
-    told_at,
 )
 
 __all__ = ["load_material"]
@@ -113,7 +113,7 @@ def _is_path(name: str) -> bool:
 
 
 def _from_toml(path: Path) -> Material:
-    with told_at(str(path)):
+    with located_at(str(path)):
         lines = read_lines(path, kind="material", longest_line=LONGEST_LINE)
         return _made(parse_toml(lines, kind="material"), path)
 
@@ -162,7 +162,7 @@ def _dispersion(index: dict[str, Any]) -> tuple[Dispersion, tuple[float, float]]
         has = "has keys of both" if by_formula else "has none of them"
         raise InputError(f"needs exactly one of: {_FORMS}; {has}", key="[index]")
     refuse_missing(index, _FORMULA if by_formula else _TABLE, "index")
-    with told_at(None, "index"), Mistakes() as mistakes:
+    with located_at(None, "index"), Mistakes() as mistakes:
         if by_formula:
             made: Dispersion | None = mistakes.of(
                 Formula, formula=index["formula"], coefficients=index["coefficients"]
@@ -185,5 +185,5 @@ def _absorption(top: dict[str, Any], mistakes: Mistakes) -> Table | None:
     if len(mistakes.errors) > before and len(absorption) < len(_ABSORPTION):
         return None
     refuse_missing(absorption, _ABSORPTION, "absorption")
-    with told_at(None, "absorption"):
+    with located_at(None, "absorption"):
         return Table(wavelength_nm=absorption["wavelength_nm"], values=absorption["per_mm"], key="per_mm")

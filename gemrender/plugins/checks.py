@@ -27,7 +27,7 @@ _TOUCHING = 1e-5
 #: How far other things may, as a ground that a stone sinks into, before it is said [share of its size].
 _SUNK = 1e-3
 #: How many of them are named.
-_TOLD = 5
+_LISTED = 5
 #: How far a vertex of a round girdle may be from its cylinder [girdle radius]: on the chords it is cut into.
 _BESIDE = 1e-5
 #: A camera's rays are looked at in a grid of so many by so many.
@@ -264,8 +264,8 @@ def _check_contact(stones: list[StoneShape]) -> None:
 
 
 def _some(names: list[str]) -> str:
-    more = f" and {len(names) - _TOLD} more" if len(names) > _TOLD else ""
-    return ", ".join(names[:_TOLD]) + more
+    more = f" and {len(names) - _LISTED} more" if len(names) > _LISTED else ""
+    return ", ".join(names[:_LISTED]) + more
 
 
 def _check_others(shapes: list[mi.Shape], stones: list[StoneShape]) -> None:

@@ -329,8 +329,8 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         """Return the share of the light that the path transmits, and the AOVs."""
         exited = path.status == int(RayStatus.EXITED)
         p, d = path.point, path.direction
-        told_by, most = self._rear_rule
-        rear = exited & (dr.dot(told_by, mi.Vector3d(p.z, path.rise, d.z)) <= most)
+        chosen, most = self._rear_rule
+        rear = exited & (dr.dot(chosen, mi.Vector3d(p.z, path.rise, d.z)) <= most)
         transmitted = self._transmittance(*path.eye_side) * self._transmittance(*path.light_side)
         intensity = LIGHT_LEVEL * transmitted
         if self.intensity == "primary":

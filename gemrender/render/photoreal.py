@@ -263,7 +263,7 @@ def render(
     )
     stopped = _run(passes, spp, noise, time_limit, started, progress)
     if passes.unsound:
-        warnings.warn(f"{_told(passes)}; they are left out", GemrenderWarning, stacklevel=2)
+        warnings.warn(f"{_left_out_text(passes)}; they are left out", GemrenderWarning, stacklevel=2)
     if width * height >= FEW_PIXELS and not passes.stone_pixels.any():
         told = "no stone is seen in the picture: something stands between them and the camera"
         warnings.warn(told, GemrenderWarning, stacklevel=2)
@@ -330,10 +330,10 @@ def _check_sound(passes: Passes) -> None:
     """Check that samples which are no light are few, and there is light beside them."""
     total = passes.samples * passes.width * passes.height
     if passes.unsound and (passes.unsound > MOST_UNSOUND * total or not passes.xyz.any()):
-        raise GemrenderError(f"{_told(passes)}: too many to leave out")
+        raise GemrenderError(f"{_left_out_text(passes)}: too many to leave out")
 
 
-def _told(passes: Passes) -> str:
+def _left_out_text(passes: Passes) -> str:
     total = passes.samples * passes.width * passes.height
     return f"{passes.unsound} of {total} samples had a radiance that is negative or not finite"
 

@@ -12,58 +12,26 @@ from gemrender.cuts.design import Design
 from gemrender.errors import InputError
 from gemrender.optics import load_material, refractive_index
 from gemrender.optics.material import DIAMETER_RANGE_MM
+from gemrender.report.displays.projection import corners_of
 from gemrender.report.formats import Column, TextTable
 from gemrender.report.measured import Dimension, measured_dimensions
+from gemrender.report.tiers import TierFigures, tiers_of_stone
 from gemrender.stone import Stone
 
 __all__ = [
     "DEFAULT_SIZE_MM",
     "Inspection",
-    "TierFigures",
     "check_size",
     "inspect_stone",
     "inspection_records",
     "inspection_tables",
     "inspection_values",
-    "tiers_of_stone",
 ]
 
 #: Longer side of the outline that stones are weighed at where no other is asked for [mm].
 DEFAULT_SIZE_MM = 6.5
 #: Cubic millimetres times g/cm3 are milligrams; so many make a carat.
 _CARAT_MG = 200.0
-#: Indices come back from turns by rounding, and this close to a tooth are there.
-_TOOTH = 1e-6
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TierFigures:
-    """The facets of one kind on one side of a stone.
-
-    Attributes
-    ----------
-    name : str
-        Their kind; in a design the tier's name.
-    side : {"crown", "girdle", "pavilion"}
-        The side they are on.
-    number : int
-        How many facets there are.
-    angle_deg, least_angle_deg, most_angle_deg : float or None
-        Angle to the girdle plane: mean, least and largest [deg]; None of a girdle that is not plane.
-    indices : tuple of float or None
-        Where the cut is a design, their places on its index wheel [teeth].
-    area : float
-        Their share of the stone's surface [%].
-    """
-
-    name: str
-    side: str
-    number: int
-    angle_deg: float | None
-    least_angle_deg: float | None
-    most_angle_deg: float | None
-    indices: tuple[float, ...] | None
-    area: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -161,8 +129,6 @@ def inspect_stone(stone: Stone, *, size_mm: float = DEFAULT_SIZE_MM) -> Inspecti
     InputError
         A size that no stone has, or a material that is not known.
     """
-    from gemrender.report.displays.projection import corners_of
-
     millimetre = check_size(size_mm) / 2.0
     name = "diamond" if stone.material is None else stone.material
     try:
@@ -206,46 +172,6 @@ def _cut_of(stone: Stone) -> str:
     if isinstance(stone.cut, Design):
         return "design"
     return "planes" if stone.is_convex else "mesh"
-
-
-def tiers_of_stone(stone: Stone) -> tuple[TierFigures, ...]:
-    """Return the facets of a stone by side and kind, in the order of the facets on each side."""
-    count = len(stone.facet_normals)
-    angles = np.degrees(np.arccos(np.clip(np.abs(stone.facet_normals[:, 2]), 0.0, 1.0)))
-    areas = stone.solid.areas
-    indices = _indices(stone)
-    groups: dict[tuple[str, str], list[int]] = {}
-    for side in ("crown", "girdle", "pavilion"):
-        for number, facet in enumerate(stone.facets):
-            if facet.side == side:
-                groups.setdefault((side, facet.kind), []).append(number)
-    tiers = []
-    for (side, kind), numbers in groups.items():
-        own = angles[[number for number in numbers if number < count]]
-        placed = [indices[stone.facets[n].name] for n in numbers if stone.facets[n].name in indices]
-        tiers.append(
-            TierFigures(
-                name=kind,
-                side=side,
-                number=len(numbers),
-                angle_deg=float(own.mean()) if own.size else None,
-                least_angle_deg=float(own.min()) if own.size else None,
-                most_angle_deg=float(own.max()) if own.size else None,
-                indices=tuple(placed) if placed else None,
-                area=100.0 * float(areas[numbers].sum() / areas.sum()),
-            )
-        )
-    return tuple(tiers)
-
-
-def _indices(stone: Stone) -> dict[str, float]:
-    """Return the place on the index wheel of each facet of a design, by its name; else nothing."""
-    if not isinstance(stone.cut, Design):
-        return {}
-    teeth = abs(stone.cut.gear)
-    places = [float(np.real(index)) % teeth for tier in stone.cut.tiers for index in tier.indices]
-    shown = [place if place > _TOOTH else teeth for place in places]
-    return dict(zip(stone.cut.facet_names(), shown, strict=True))
 
 
 # ---- For people, and for machines ----------------------------------------------------------------------

@@ -12,12 +12,13 @@ from gemrender.stone.facets import CROWN, GIRDLE, LEVEL, PAVILION
 
 __all__ = ["Dimension", "measured_dimensions"]
 
-#: Girdle pieces that lean or lie apart by less are one plane [stone's unit].
-_SAME_PLANE = 1e-7
 #: Level facets that stand for a round girdle: their ends, where it is thickest and thinnest, are on it.
 _PIECES = 256
-#: Edges of a smaller length are rounding [stone's unit].
-_LEAST_LENGTH = 1e-7
+#: Along the girdle, corners this close are one, as they are meant: in designs angles are rounded, and facets
+#: that should meet in a point leave a chamfer [stone's unit].
+_CHAMFER = 1e-4
+#: Edges of a smaller length are rounding: meshes come in single precision [stone's unit].
+_LEAST_LENGTH = 1e-6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -139,19 +140,19 @@ def _girdle_heights(stone: Stone) -> tuple[float, float]:
 def _girdle_thickness(stone: Stone) -> tuple[list[float], float]:
     """Return the girdle's thickness wherever an edge begins or ends, and its mean along the outline."""
     vertices, polygons, sides = _sides(stone)
-    pieces = [vertices[polygon] for polygon, side in zip(polygons, sides, strict=True) if side == GIRDLE]
     if isinstance(stone.solid, MeshSolid):
-        pieces_of_walls = _by_plane(pieces)
+        walls = _walls_of(stone.solid, sides == GIRDLE, len(stone.facet_normals))
     else:
-        pieces_of_walls = [[piece] for piece in pieces]
+        walls = [[vertices[p]] for p, side in zip(polygons, sides, strict=True) if side == GIRDLE]
     thickness, area, around = [], 0.0, 0.0
-    for wall in pieces_of_walls:
+    for wall in walls:
         along = _along(wall)
         edges = np.concatenate([np.stack([p, np.roll(p, -1, axis=0)], axis=1) for p in wall])
         flat = np.stack([edges @ along, edges[..., 2]], axis=-1)
-        places = np.unique(flat[..., 0].round(12))
+        places = np.unique(flat[..., 0].round(6))
         heights = np.array([_height_at(flat, place) for place in places])
-        thickness += heights.tolist()
+        one = np.cumsum(np.diff(places, prepend=places[0]) > _CHAMFER)
+        thickness += [float(heights[one == k].max()) for k in range(one[-1] + 1)]
         area += 0.5 * float(np.diff(places) @ (heights[1:] + heights[:-1]))
         around += float(np.ptp(places))
     if _has_knife_edge(vertices, polygons, sides) or not thickness:
@@ -159,14 +160,16 @@ def _girdle_thickness(stone: Stone) -> tuple[list[float], float]:
     return thickness, area / around if around else 0.0
 
 
-def _by_plane(pieces: list[np.ndarray]) -> list[list[np.ndarray]]:
-    """Gather triangles (3, 3) that lie in one plane."""
-    walls: dict[tuple[int, ...], list[np.ndarray]] = {}
-    for piece in pieces:
-        normal = np.cross(piece[1] - piece[0], piece[2] - piece[0])
-        normal /= np.linalg.norm(normal)
-        key = (*np.rint(normal / (10 * _SAME_PLANE)), np.rint(normal @ piece[0] / (10 * _SAME_PLANE)))
-        walls.setdefault(tuple(int(number) for number in key), []).append(piece)
+def _walls_of(solid: MeshSolid, is_girdle: np.ndarray, n_planes: int) -> list[list[np.ndarray]]:
+    """Gather the triangles (3, 3) of a mesh's girdle that lie in one plane."""
+    walls: dict[tuple[float, ...], list[np.ndarray]] = {}
+    for number in np.flatnonzero(is_girdle):
+        facet, piece = int(solid.facet[number]), solid.vertices[solid.triangles[number]]
+        key: tuple[float, ...] = (facet,)
+        if facet >= n_planes:  # a girdle that is not plane: upright pieces, each above one line
+            ends = np.unique((piece[:, :2] / _LEAST_LENGTH).round(), axis=0)
+            key = (facet, *ends.ravel().tolist())
+        walls.setdefault(key, []).append(piece)
     return list(walls.values())
 
 
@@ -201,7 +204,7 @@ def _has_knife_edge(vertices: np.ndarray, polygons: list[np.ndarray], sides: np.
             continue
         for a, b in zip(polygon.tolist(), np.roll(polygon, -1).tolist(), strict=True):
             other = edges.setdefault((b, a), side) if (b, a) in edges else edges.setdefault((a, b), side)
-            if other != side and np.linalg.norm(vertices[a] - vertices[b]) > _LEAST_LENGTH:
+            if other != side and np.linalg.norm(vertices[a] - vertices[b]) > _CHAMFER:
                 return True
     return False
 

@@ -13,13 +13,13 @@ from gemrender.mistakes import Mistakes
 from gemrender.reading import (
     bundled_files,
     did_you_mean,
+    located_at,
     parse_toml,
     read_lines,
     refuse_unknown,
     section,
     stem,
     text_line,
-    told_at,
 )
 
 __all__ = [
@@ -262,7 +262,7 @@ def load_setup(setup: str | os.PathLike[str]) -> Setup:
             f"must be a set-up file or one of {names}{did_you_mean(name, bundled)}", key="setup", value=name
         )
     source = str(path)
-    with told_at(source), Mistakes() as mistakes:
+    with located_at(source), Mistakes() as mistakes:
         top = parse_toml(read_lines(path, kind="set-up"), kind="set-up")
         keys = [f.name for f in fields(Setup) if f.name not in ("source", "lights")]
         mistakes.of(refuse_unknown, top, [*keys, "light"])
@@ -299,7 +299,7 @@ def _is_file(path: Path) -> bool:
 
 def _part(part: Callable[..., Any], top: dict[str, Any], key: str, mistakes: Mistakes) -> Any:
     table = section(top, key, [f.name for f in fields(part)], mistakes=mistakes)  # type: ignore[arg-type]
-    with told_at(None, key):
+    with located_at(None, key):
         return part(**table)
 
 
@@ -312,7 +312,7 @@ def _lights(tables: object, mistakes: Mistakes) -> tuple[Light, ...]:
 
 def _light(table: dict[str, Any], name: str, mistakes: Mistakes) -> Light:
     values = section({name: table}, name, [f.name for f in fields(Light)], mistakes=mistakes)
-    with told_at(None, name), Mistakes() as own:
+    with located_at(None, name), Mistakes() as own:
         if "shape" not in table:
             own.add(InputError(f"missing; must be one of {', '.join(LIGHTS)}", key="shape"))
         light = own.of(Light, **{"shape": LIGHTS[0], **values})

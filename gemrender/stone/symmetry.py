@@ -69,27 +69,30 @@ def find_symmetry(solid: ConvexSolid) -> Symmetry:
     if not len(inclined):
         return NONE
     # Planes that one symmetry can send into each other have the same inclination and distance.
-    key = np.round(planes[inclined][:, 2:] / (4 * _SAME))
-    _, label, count = np.unique(key, axis=0, return_inverse=True, return_counts=True)
-    fewest = inclined[label == count.argmin()]
+    key = planes[inclined, 2:]
+    alike = cKDTree(key).query_ball_point(key, _SAME)
+    rarest = int(np.argmin([len(others) for others in alike]))
     fold = next(
         (n for n in range(min(_MOST_FOLD, len(inclined)), 1, -1) if image(_turn(2 * np.pi / n)) is not None),
         1,
     )
-    azimuth = np.arctan2(planes[fewest, 1], planes[fewest, 0])
-    for other in azimuth:
-        first = 0.5 * (azimuth[0] + other) % (np.pi / fold)
+    azimuth = np.arctan2(planes[inclined, 1], planes[inclined, 0])
+    for other in alike[rarest]:
+        first = 0.5 * (azimuth[rarest] + azimuth[other]) % (np.pi / fold)
         if np.pi / fold - first < _SAME:  # 0, but for rounding
             first = 0.0
-        if image(_mirror(first)) is None:
-            continue
         mirrors = first + np.arange(fold) * (np.pi / fold)
-        facets = np.arange(solid.n_facets)
-        images = np.tile(facets, (fold, 1))
-        for k, at in enumerate(mirrors):
+        fallen_on = []
+        for at in mirrors:
             plane = image(_mirror(at))
-            assert plane is not None
-            images[k, solid.facet] = solid.facet[plane]
+            if plane is None:
+                break
+            fallen_on.append(plane)
+        if len(fallen_on) < fold:
+            continue
+        images = np.tile(np.arange(solid.n_facets), (fold, 1))
+        for row, plane in zip(images, fallen_on, strict=True):
+            row[solid.facet] = solid.facet[plane]
         return Symmetry(fold=fold, mirrors=mirrors, centre=centre, images=images)
     return Symmetry(fold=fold, mirrors=np.empty(0), centre=centre, images=NONE.images)
 

@@ -165,11 +165,10 @@ def test_tiers_of_a_design(name):
         value = getattr(design.tiers[number], key)
         sides = [
             gemrender.score(design.with_tier(number, **{key: value + by * step}).stone(), rear="facet")
-            for by in (-TIER_STEP, TIER_STEP)
+            for by in (-TIER_STEP, 0.0, TIER_STEP)
         ]
         for score in ("average", "rear"):
-            low, high = (getattr(side, score) for side in sides)
-            assert getattr(derivative, score) == pytest.approx(
-                (high - low) / (2 * TIER_STEP), abs=TIER_QUOTIENT
-            )
+            # Where more than three facets meet in a corner the two sides differ, and one of them is told.
+            slopes = np.diff([getattr(side, score) for side in sides]) / TIER_STEP
+            assert slopes.min() - TIER_QUOTIENT <= getattr(derivative, score) <= slopes.max() + TIER_QUOTIENT
             assert getattr(derivative, f"{score}_bound") == 0

@@ -14,7 +14,8 @@ from matplotlib.colors import to_hex
 from gemrender.beam import trace_facets
 from gemrender.beam.facets import FacetStatus
 from gemrender.report.displays import draw, write_display
-from gemrender.report.displays.projection import CROWN, PAVILION, corners_of, look_at
+from gemrender.report.displays.occlusion import is_hidden, split_by_sight
+from gemrender.report.displays.projection import CROWN, PAVILION, corners_of, look_at, side
 from gemrender.report.facets import facets_figure
 from gemrender.report.palettes import OTHER_KINDS, TIER_COLOURS, exit_colours, kind_tints
 from gemrender.stone import Facet, Stone, convex_solid, in_frame, side_of
@@ -209,3 +210,32 @@ def test_all_of_them_are_files(tmp_path):
         [path] = write_display(stone_named("pear"), display, tmp_path, "pear", formats=("svg",), **options)
         assert path.name == f"pear-{display}.svg"
         assert path.stat().st_size > 10_000
+
+
+# ---- What hides what -----------------------------------------------------------------------------------
+
+
+def test_a_point_is_hidden_by_a_face_before_it():
+    face = np.array([[[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]]])
+    points = np.array([[0.2, 0.2, 0.0], [0.2, 0.2, 1.0], [0.2, 0.2, 2.0], [0.9, 0.9, 0.0]])
+    assert is_hidden(points, face).tolist() == [True, False, False, False]
+
+
+def test_a_line_is_cut_where_it_goes_behind_a_face():
+    face = np.array([[[0.0, -1.0, 1.0], [2.0, 0.0, 1.0], [0.0, 1.0, 1.0]]])
+    [seen], [hidden] = split_by_sight(np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]), face)
+    assert seen[[0, -1]].tolist() == [[-1.0, 0.0], [0.0, 0.0]]
+    assert hidden[[0, -1]].tolist() == [[0.0, 0.0], [1.0, 0.0]]
+
+
+def test_from_the_side_the_pit_of_a_hollow_stone_is_hidden_by_its_rim():
+    """Its bottom is in the middle, 0.1 below the top; from above it is seen."""
+    stone = stone_named("hollow")
+    bottom = corners_of(stone)[np.abs(corners_of(stone)[:, :2]).max(axis=1) < 1e-9][0]
+    for view, is_seen in ((look_at(stone, side()), False), (look_at(stone, CROWN), True)):
+        place = view.projection.flat(bottom)
+        ends = np.concatenate([np.concatenate([line[:1], line[-1:]]) for line in view.visible])
+        assert (np.abs(ends - place).max(axis=1).min() < 1e-9) == is_seen
+    pit = {i for i, facet in enumerate(stone.facets) if facet.name in ("F29", "F30", "F31", "F32")}
+    assert pit <= set(look_at(stone, CROWN).facets)
+    assert not pit & set(look_at(stone, side()).facets)

@@ -8,7 +8,7 @@ from designs_help import level, ring, stone_of
 from exact_tolerances import TILING
 from physics_tolerances import ROUNDING
 
-from gemrender.beam import Budget, measure, trace_facets
+from gemrender.beam import Budget, beam_stone, measure, trace_facets
 from gemrender.beam.measure import facet_sums
 from gemrender.beam.view_area import view_area
 from gemrender.observation import REAR_RULES, Model, View
@@ -97,7 +97,7 @@ def test_no_ray_is_needed_and_nothing_is_lost(case, tilt):
     assert found.bound == pytest.approx(found.trapped + found.lost)
     assert found.trapped < 1e-6
     assert np.isfinite(facets.exit_map).all()  # beams along a plane never meet it
-    assert facets.area.sum() == pytest.approx(view_area(stone, view), abs=TILING)
+    assert facets.area.sum() == pytest.approx(view_area(beam_stone(stone), view), abs=TILING)
     assert found.bands.sum() + found.rear + found.trapped + found.lost == pytest.approx(100, abs=1e-9)
 
 

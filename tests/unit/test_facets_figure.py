@@ -32,7 +32,7 @@ from gemrender.report.facets import (
     facets_figure,
 )
 from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR
-from gemrender.report.palettes import EXIT_COLOURS
+from gemrender.report.palettes import EXIT_COLOURS, TIER_COLOURS
 from gemrender.scoring import BAND_EDGES, score
 from gemrender.stone import Stone
 
@@ -46,6 +46,8 @@ ROUNDING = 1e-9
 TOLD_APART = 10.0
 #: The same of ten tiers, which are more than can be ten apart for every eye.
 TIERS_APART = 7.5
+#: Least difference in lightness (CIE L*) of light and rear light through one tier: plainly seen.
+DARKER = 10.0
 
 #: Bundled stones from above, light near the girdle, a tilted eye, tilted facets and an oval girdle.
 VIEWS = {
@@ -289,7 +291,7 @@ def test_tiers_are_told_apart(kind):
     a, b = np.array(list(combinations(lab(colours, kind), 2))).transpose(1, 0, 2)
     assert colour.delta_E(a, b, method="CIE 2000").min() > TIERS_APART
     lightness = lab([c for pair in TIER_COLOURS for c in pair], kind)[:, 0]
-    assert (lightness[::2] - lightness[1::2]).min() > 20, "rear light is darker"
+    assert (lightness[::2] - lightness[1::2]).min() > DARKER
 
 
 @pytest.mark.parametrize("kind", [None, "Protanomaly", "Deuteranomaly"])

@@ -151,6 +151,17 @@ def test_a_stone_that_is_not_convex_is_measured_too():
     assert whole.volume - found.volume == pytest.approx(pit)
 
 
+def test_single_precision_leaves_the_girdle_as_thick():
+    """A mesh as STL has it: corners moved by 3e-8, and facets that nearly meet."""
+    stone = hollow_stone()
+    vertices = stone.solid.vertices.astype(np.float32).astype(np.float64)
+    solid = replace(stone.solid, vertices=vertices)
+    girdle = measured_dimensions(replace(stone, solid=solid))["girdle_thickness"]
+    known = measured_dimensions(stone)["girdle_thickness"]
+    assert girdle.value == pytest.approx(known.value, abs=1e-3)
+    assert girdle.least == pytest.approx(known.least, abs=1e-3)
+
+
 @pytest.mark.parametrize("size", [0.0, -1.0, float("nan"), 1e9])
 def test_sizes_that_no_stone_has_are_refused(size):
     with pytest.raises(InputError, match=r"^size = .*: must be from 0.1 to 1000 \[mm\]$"):

@@ -12,9 +12,9 @@ import pytest
 
 from gemrender.cuts import RoundBrilliant, load_stone
 from gemrender.errors import InputError
-from gemrender.mistakes import LONGEST_TOLD, MOST_TOLD, Mistakes, MistakesError
+from gemrender.mistakes import LONGEST_LISTED, MOST_LISTED, Mistakes, MistakesError
 from gemrender.optics import load_material
-from gemrender.reading import read_lines, told_at
+from gemrender.reading import located_at, read_lines
 from gemrender.scene.setup import Camera, load_setup
 from tests.observations import run_gemrender
 
@@ -50,7 +50,7 @@ def told(*keys, **options):
 
 
 def gather(*keys, end=None, **options):
-    with told_at("x.toml"), Mistakes() as mistakes:
+    with located_at("x.toml"), Mistakes() as mistakes:
         for key in keys:
             mistakes.of(wrong, key, **options)
         if end is not None:
@@ -78,7 +78,7 @@ def test_several_are_told_in_one_line():
 
 def test_sections_are_put_before_each_of_them():
     def check():
-        with told_at("x.toml", "top"), told_at(None, "part"), Mistakes() as mistakes:
+        with located_at("x.toml", "top"), located_at(None, "part"), Mistakes() as mistakes:
             mistakes.of(wrong, "a")
             mistakes.add(InputError("needs more"))
             mistakes.of(read_lines, Path("none.csv"), kind="x")  # another file's
@@ -90,15 +90,15 @@ def test_sections_are_put_before_each_of_them():
 
 
 def test_so_many_are_told_and_the_others_counted():
-    line = str(told(*(f"k{n}" for n in range(MOST_TOLD + 5))))
-    assert line.count("must be 1") == MOST_TOLD
-    assert line.endswith(f"; k{MOST_TOLD - 1} = 2: must be 1; and 5 more")
-    assert str(told(*(f"k{n}" for n in range(MOST_TOLD)))).endswith("must be 1")
+    line = str(told(*(f"k{n}" for n in range(MOST_LISTED + 5))))
+    assert line.count("must be 1") == MOST_LISTED
+    assert line.endswith(f"; k{MOST_LISTED - 1} = 2: must be 1; and 5 more")
+    assert str(told(*(f"k{n}" for n in range(MOST_LISTED)))).endswith("must be 1")
 
 
 def test_a_line_is_no_longer_than_can_be_read():
     line = str(told("a", "b", "c", "d", allowed="x" * 600))
-    assert len(line) < LONGEST_TOLD + 50
+    assert len(line) < LONGEST_LISTED + 50
     assert line.endswith("xxx; and 2 more")
 
 

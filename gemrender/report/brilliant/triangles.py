@@ -54,7 +54,7 @@ def brilliant_triangles_figure(stone: Stone) -> Figure:
     """Draw three views with the number of each visible triangle, and which facets they make."""
     return three_views(
         stone,
-        "The 78 triangles and the girdle",
+        f"The {N_TRIANGLES} triangles and the girdle",
         scale=SCALE,
         draw=lambda axes, view: _draw_triangles(axes, stone, view),
         legend=_draw_legend,

@@ -13,6 +13,7 @@ from gemrender.cuts.round_brilliant.topology import (
     GIRDLE,
     GIRDLE_LOWER,
     GIRDLE_UPPER,
+    N_SECTORS,
     N_VERTICES,
     STAR_TIP,
     TABLE_CORNER,
@@ -64,7 +65,7 @@ def brilliant_vertices_figure(stone: Stone) -> Figure:
         draw_lines(axes, view, PAPER)
         _label_vertices(axes, stone, view)
 
-    return three_views(stone, "The 57 vertices", scale=SCALE, draw=draw, legend=_draw_legend)
+    return three_views(stone, f"The {N_VERTICES} vertices", scale=SCALE, draw=draw, legend=_draw_legend)
 
 
 def _label_vertices(axes: Axes, stone: Stone, view: StoneView) -> None:
@@ -118,7 +119,7 @@ def _beside_contact(vertex: int, flat: np.ndarray) -> np.ndarray | None:
     if vertex not in CONTACT or np.hypot(*flat[vertex]) > CROWDED:
         return None
     k = vertex - CONTACT[0]
-    sides = flat[GIRDLE_LOWER[[2 * k + 1, (2 * k + 2) % 16]]]
+    sides = flat[GIRDLE_LOWER[[2 * k + 1, (2 * k + 2) % N_SECTORS]]]
     return np.asarray(flat[vertex] + 0.28 * (sides - flat[vertex]).mean(axis=0))
 
 

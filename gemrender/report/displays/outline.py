@@ -9,8 +9,8 @@ import numpy as np
 from gemrender.report.displays.dimension_lines import draw_dimension
 from gemrender.report.displays.page import PAPER, Page, draw_lines, stone_extent
 from gemrender.report.displays.projection import CROWN, PAVILION, corners_of, look_at, side
-from gemrender.report.inspection import TierFigures, tiers_of_stone
 from gemrender.report.measured import Dimension, measured_dimensions
+from gemrender.report.tiers import TierFigures, tiers_of_stone
 from gemrender.stone import Stone
 
 if TYPE_CHECKING:

@@ -8,6 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from gemrender.report.displays.occlusion import is_hidden, split_by_sight
 from gemrender.stone import Stone, StoneMesh, tessellate
 
 __all__ = [
@@ -88,7 +89,7 @@ class StoneView:
     visible, outline, hidden : tuple of (n, 2) float64
         Edges between facets on the near side, where the near side ends, and on the far side [stone's unit].
     facets : tuple of int
-        Visible facets, in ascending order.
+        Visible facets, in ascending order; of a stone that is not convex the farthest first.
     polygons : tuple of (n, 2) float64
         The outline of each visible facet.
     corners : tuple of int
@@ -107,8 +108,8 @@ class StoneView:
 def look_at(stone: Stone, projection: Projection) -> StoneView:
     """Tell the visible edges and facets of a stone from the hidden ones.
 
-    An edge is hidden if neither of its two faces is turned to the eye. That is exact for a convex stone. Of
-    others, what another part of the stone hides is drawn, too.
+    An edge is hidden if neither of its two faces is turned to the eye, or, where a stone is not convex,
+    behind a face that is; edges are cut where that begins.
     """
     mesh = _mesh(stone)
     near = _face_normals(mesh) @ projection.eye > EDGE_ON
@@ -126,24 +127,46 @@ def look_at(stone: Stone, projection: Projection) -> StoneView:
         chains[kind][pair[0], pair[1]].append(edge)
 
     flat = projection.flat(mesh.vertices)
-    lines = {
-        kind: tuple(flat[chain] for edges in groups.values() for chain in _chains(edges))
-        for kind, groups in chains.items()
-    }
+    lines: dict[str, list[np.ndarray]] = {kind: [] for kind in chains}
     facets = np.unique(mesh.face_facet[near])
-    polygons = [flat[_boundary(mesh.faces[near & (mesh.face_facet == facet)])] for facet in facets]
-    met, corner = _meetings(mesh)
     seen = np.zeros(len(mesh.vertices), dtype=bool)
     seen[mesh.faces[near]] = True
+    joined = {
+        kind: [c for edges in groups.values() for c in _chains(edges)] for kind, groups in chains.items()
+    }
+    if stone.is_convex:
+        lines = {kind: [flat[chain] for chain in chains_of] for kind, chains_of in joined.items()}
+    else:
+        points = np.column_stack([flat, mesh.vertices @ projection.eye])
+        faces = points[mesh.faces[near]]
+        for kind, chains_of in joined.items():
+            for chain in chains_of:
+                shown, behind = split_by_sight(points[chain], faces)
+                lines[kind] += shown if kind != "hidden" else [*shown, *behind]
+                lines["hidden"] += behind if kind != "hidden" else []
+        seen &= ~is_hidden(points, faces)
+        facets = _in_sight(mesh, near, faces)
+    polygons = [flat[_boundary(mesh.faces[near & (mesh.face_facet == facet)])] for facet in facets]
+    met, corner = _meetings(mesh)
     return StoneView(
         projection=projection,
-        visible=lines["visible"],
-        outline=lines["outline"],
-        hidden=lines["hidden"],
+        visible=tuple(lines["visible"]),
+        outline=tuple(lines["outline"]),
+        hidden=tuple(lines["hidden"]),
         facets=tuple(facets.tolist()),
         polygons=tuple(polygons),
         corners=tuple(np.unique(corner[seen[met]]).tolist()),
     )
+
+
+def _in_sight(mesh: StoneMesh, near: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Return the facets that are not hidden at the middles of all their faces, the farthest first."""
+    middles, facet = faces.mean(axis=1), mesh.face_facet[near]
+    facets, number = np.unique(facet, return_inverse=True)
+    shown = np.bincount(number, ~is_hidden(middles, faces)) > 0
+    depth = np.bincount(number, middles[:, 2]) / np.bincount(number)
+    order = np.argsort(depth, kind="stable")
+    return np.asarray(facets[order][shown[order]])
 
 
 def corners_of(stone: Stone) -> np.ndarray:
