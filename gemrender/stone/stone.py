@@ -19,6 +19,8 @@ __all__ = ["Cut", "Stone"]
 
 #: Heights of a girdle's lower edge that differ by no more are level [stone's unit]: rounding in files.
 _LEVEL_EDGE = 1e-6
+#: A facet of a smaller area is cut away by others, but for rounding [stone's unit^2].
+_NO_AREA = 1e-12
 #: A facet whose planes' areas, added as vectors, make less of their sum is a wall all round: not one plane.
 _WALL = 0.5
 
@@ -128,15 +130,14 @@ class Stone:
         count = len(self.facets) - solid.is_round
         if len(solid.planes) == count:
             return solid.planes
-        crosses = solid.polyhedron.crosses[: len(solid.planes)]
-        total = np.column_stack([np.bincount(solid.facet, crosses[:, k], count) for k in range(3)])
-        length = np.linalg.norm(total, axis=1)
-        areas = np.bincount(solid.facet, solid.polyhedron.areas[: len(solid.planes)])
-        if length[-1] < _WALL * areas[-1]:
-            count, total, length = count - 1, total[:-1], length[:-1]
-        normals = total / length[:, None]
-        offsets = np.bincount(solid.facet, solid.planes[:, 3] * solid.polyhedron.areas[: len(solid.planes)])
-        return np.column_stack([normals, (offsets / areas)[:count]])
+        weights = solid.polyhedron.areas[: len(solid.planes)]
+        # Of a facet that others cut away all planes count alike.
+        weights = np.where(np.bincount(solid.facet, weights)[solid.facet] > _NO_AREA, weights, 1.0)
+        total = np.column_stack([np.bincount(solid.facet, solid.planes[:, k] * weights) for k in range(4)])
+        length, weight = np.linalg.norm(total[:, :3], axis=1), np.bincount(solid.facet, weights)
+        if length[-1] < _WALL * weight[-1]:
+            total, length, weight = total[:-1], length[:-1], weight[:-1]
+        return np.column_stack([total[:, :3] / length[:, None], total[:, 3] / weight])
 
     @property
     def facet_normals(self) -> np.ndarray:
@@ -212,7 +213,9 @@ class Stone:
         )
 
     def tilted(self, deviation_deg: float, rng: np.random.Generator, *, name: str | None = None) -> Stone:
-        """Return the stone with every plane facet tilted at random about its middle; level ones stay.
+        """Return the stone with every plane facet tilted at random about its middle.
+
+        Level ones stay, and those that others cut away.
 
         The facet's normal is turned by two angles, about two perpendicular axes in the facet, each normally
         distributed.
@@ -237,11 +240,13 @@ class Stone:
         u /= np.linalg.norm(u, axis=1, keepdims=True)
         v = np.cross(normals, u)
         a, b = np.tan(np.radians(rng.normal(0.0, deviation_deg, (2, len(normals), 1))))
-        level = np.array(self.facet_sides[: len(normals)]) == "girdle"
-        turned = np.where(level[:, None], normals, normals + a * u + b * v)
+        areas, middles = self._middles
+        stays = (np.array(self.facet_sides[: len(normals)]) == "girdle") | (areas <= _NO_AREA)
+        turned = np.where(stays[:, None], normals, normals + a * u + b * v)
         turned /= np.linalg.norm(turned, axis=1, keepdims=True)
+        offsets = np.where(stays, self.facet_offsets, np.einsum("ij,ij->i", turned, middles))
         kept = solid.facet >= len(normals)  # the planes of a girdle that is not one plane
-        planes = np.column_stack([turned, np.einsum("ij,ij->i", turned, self._middles)])
+        planes = np.column_stack([turned, offsets])
         return replace(
             self,
             solid=ConvexSolid(
@@ -256,12 +261,14 @@ class Stone:
         )
 
     @cached_property
-    def _middles(self) -> np.ndarray:
-        """The middle of each plane facet's area, (m, 3)."""
+    def _middles(self) -> tuple[np.ndarray, np.ndarray]:
+        """The area of each plane facet, (m,), and its middle, (m, 3); of one that is cut away 0."""
         solid = self.solid
         assert isinstance(solid, ConvexSolid)
         body, n = solid.polyhedron, len(solid.planes)
         areas = body.areas[:n]
         moments = np.nan_to_num(body.middles[:n]) * areas[:, None]
         total = np.column_stack([np.bincount(solid.facet, moments[:, k]) for k in range(3)])
-        return (total / np.bincount(solid.facet, areas)[:, None])[: len(self.facet_normals)]
+        count = len(self.facet_normals)
+        whole = np.bincount(solid.facet, areas)[:count]
+        return whole, total[:count] / np.where(whole > _NO_AREA, whole, np.inf)[:, None]
