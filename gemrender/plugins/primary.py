@@ -417,13 +417,17 @@ def _first_hit(scene: mi.Scene, ray: mi.Ray3f, active: mi.Bool) -> mi.SurfaceInt
     and find the stone's far side, what is behind it, or nothing: where rays a little to either side do not,
     one of them counts.
     """
-    si = scene.ray_intersect(ray, active)
+
+    def meet(ray: mi.Ray3f, active: mi.Bool) -> mi.SurfaceInteraction3f:
+        return scene.ray_intersect(ray, mi.RayFlags.Minimal, False, active)
+
+    si = meet(ray, active)
     missed = active & ~_comes_in(si, ray)
     aside = ASIDE * mi.Frame3f(ray.d).s
     left, right = (mi.Ray3f(ray.o + side, ray.d, ray.time, ray.wavelengths) for side in (aside, -aside))
-    beside = scene.ray_intersect(left, missed)
+    beside = meet(left, missed)
     leaks = missed & _comes_in(beside, ray)
-    leaks &= _comes_in(scene.ray_intersect(right, leaks), ray)
+    leaks &= _comes_in(meet(right, leaks), ray)
     return dr.select(leaks, beside, si)
 
 

@@ -200,7 +200,7 @@ def kernels(work):
         ("hollow", "diamond", (550,)),
         ("oval", "cubic zirconia", (400,)),
         ("star", "quartz", (550,)),
-        ("heart", "diamond", (550,)),
+        ("heart", "quartz", (550,)),
     ],
 )
 def test_stone_cannot_be_seen_in_a_furnace(variant_llvm_ad_spectral, stone, material, wavelengths_nm):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
+
 import numpy as np
 import pytest
 from designs_help import level, ring, stone_of
@@ -57,6 +59,14 @@ def off_centre(stone: Stone) -> Stone:
     planes = stone.solid.planes.copy()
     planes[:, 3] += planes[:, :3] @ [0.2, -0.1, 0.0]
     return stone_of(planes, name="off centre")
+
+
+class Coarse(Budget):
+    """A budget that leaves polygons below a hundredth of the view to rays."""
+
+    @contextmanager
+    def polygon_limits(self):
+        yield np.array([1e-2, np.inf, 0.0])
 
 
 @pytest.fixture(params=STONES)
@@ -152,3 +162,16 @@ def test_637_facets_within_the_memory_of_a_score():
     found = measure(stone, bound=0.5, budget=Budget(3600.0, 1.0))
     assert (found.rays, found.notes) == (0, ())
     assert found.bound < 1e-6
+
+
+def test_what_is_past_the_budget_single_rays_tell(case):
+    """Without a cylinder there are rays only then, and their scatter is in the bound."""
+    stone, _ = case
+    view = View(resolution=1, tilt_deg=15, tilt_azimuth_deg=90)
+    truth, found = measure(stone, view=view), measure(stone, view=view, bound=0.5, budget=Coarse(3600.0, 1.0))
+    assert found.rays > 0
+    assert found.notes[0].startswith("virtual facets of ")
+    for ours, theirs in zip(
+        (found.average, found.rear, *found.bands), (truth.average, truth.rear, *truth.bands), strict=True
+    ):
+        assert abs(ours - theirs) <= found.bound + truth.bound
