@@ -436,14 +436,8 @@ def test_a_sphere_of_diamond():
 
 def test_a_brilliant_of_one_carat():
     # The trade's brilliant of one carat is 6.5 mm wide.
-    volume = volume_of(load_stone("inoue-3"))
+    volume = load_stone("inoue-3").solid.volume
     assert carat_to_girdle_diameter_mm(1.0, volume, 3.52) == pytest.approx(6.5, abs=0.1)
-
-
-def volume_of(stone):
-    """Volume [girdle radius^3]: that of the polyhedron, whose girdle has 16 corners, made round."""
-    polyhedron = np.linalg.det(stone.vertices[stone.triangles]).sum() / 6
-    return polyhedron * np.pi / (8 * np.sin(np.pi / 8))
 
 
 @pytest.mark.parametrize("key", ["carat", "volume", "density"])
