@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
 from functools import cache
 from typing import Any
 
+import numpy as np
 from numba.core.registry import cpu_target
 
 from gemrender.beam import polygons, rim
@@ -12,10 +17,12 @@ from gemrender.beam import rays as ray_kernels
 from gemrender.beam.cache import KernelCache
 from gemrender.beam.facets import trace_facets
 from gemrender.beam.measure import measure
+from gemrender.beam.solid import beam_stone
 from gemrender.cuts import RoundBrilliant
+from gemrender.observation import Model, View
 from gemrender.stone import Stone
 
-__all__ = ["damaged_cache_files", "is_compiled", "prepare"]
+__all__ = ["compile_rays", "damaged_cache_files", "is_compiled", "prepare"]
 
 
 @cache
@@ -27,14 +34,49 @@ def prepare(*, rays: bool = True) -> None:
     rays : bool
         Whether those of single rays too, which stones without a round girdle seldom need.
     """
+    with _rays_compiled_beside() if rays and not is_compiled() else nullcontext():
+        trace_facets(_sample(), whole=False)
+    if rays:
+        measure(_sample(), bound=10.0)
+
+
+@contextmanager
+def _rays_compiled_beside() -> Iterator[None]:
+    """Let another process compile the rays' kernels meanwhile: numba compiles on one core at a time.
+
+    What it could not do, whatever the reason, is compiled here when it is needed.
+    """
+    command = [sys.executable, "-c", "from gemrender.beam.prepare import compile_rays; compile_rays()"]
+    quiet = subprocess.DEVNULL
+    try:
+        beside = subprocess.Popen(command, stdin=quiet, stdout=quiet, stderr=quiet)
+    except OSError:
+        yield
+        return
+    try:
+        yield
+        beside.wait()
+    finally:
+        beside.kill()
+        beside.wait()
+
+
+def compile_rays() -> None:
+    """Compile the kernels of single rays, and keep them on disk."""
+    convex, view, model = beam_stone(_sample()), View(resolution=1), Model()
+    rays, points = np.zeros(2, ray_kernels.RAY), np.zeros((2, 4))[:, :2]  # as `rim_points` gives them
+    ray_kernels.enter_rays(points, view.basis(), convex.solid, convex.facet, model.index, rays)
+    ray_kernels.follow_rays(convex.solid, convex.facet, model.index, model.max_reflections, rays)
+    covered, ends = np.empty((0, 2)), np.zeros(len(convex.solid.planes), dtype=np.int64)
+    rim.rim_points(covered, ends, convex.wedge(view), 1.0, 0.1, points[:, 0] + 0.0, points[:, 1])
+
+
+def _sample() -> Stone:
+    """Return a stone that every kernel is compiled by."""
     proportions = RoundBrilliant(
         table=57, star=50, lower_girdle_contact=20, crown_height=14.5, pavilion_depth=43, girdle_thickness=3
     )
-    stone = Stone.from_proportions(proportions)
-    if rays:
-        measure(stone, bound=10.0)
-    else:
-        trace_facets(stone, whole=False)
+    return Stone.from_proportions(proportions)
 
 
 def is_compiled() -> bool:

@@ -167,3 +167,16 @@ def test_the_doctor_tells_of_a_folder_that_cannot_be_written(monkeypatch):
     assert check.ok
     assert "every run compiles again" in check.detail
     assert check.cure == "set NUMBA_CACHE_DIR to a folder that can be written"
+
+
+def test_another_process_compiles_what_a_score_takes_of_rays():
+    """With other types it would compile for nothing."""
+    code = (
+        "import sys; from gemrender.beam import rays, rim, prepare; prepare()\n"
+        "kernels = (rim.line_points, rays.enter_rays, rays.follow_rays)\n"
+        "before = [list(kernel.signatures) for kernel in kernels]\n"
+        "sys.modules['gemrender.beam.prepare'].compile_rays()\n"
+        "print(before == [list(kernel.signatures) for kernel in kernels], all(before))"
+    )
+    done = run_python("-c", code)
+    assert done.stdout == "True True\n", done.stderr
