@@ -39,14 +39,9 @@ def tier_planes(stone: Stone, design: Design, tier: int, quantity: str) -> np.nd
     The frame stays where it is: scores do not depend on it.
     """
     value = complex(getattr(design.tiers[tier], quantity), STEP)
-    moved = design.with_tier(tier, **{quantity: value}).planes()
-    number = {name: k for k, name in enumerate(design.facet_names())}
-    moved = moved[[number[facet.name] for facet in stone.facets]]
-    normals, offsets = moved[:, :3].real, moved[:, 3].real
-    # The frame is what takes the design's planes to the stone's: offsets = (d - n . origin) / unit.
-    system = np.column_stack([normals, stone.solid.planes[:, 3]])
-    *origin, unit = np.linalg.lstsq(system, offsets, rcond=None)[0]
-    return np.column_stack([moved[:, :3], (moved[:, 3] - moved[:, :3] @ np.array(origin)) / unit])
+    moved = _facet_planes(stone, design.with_tier(tier, **{quantity: value}))
+    origin, unit = _frame(stone, moved.real)
+    return np.column_stack([moved[:, :3], (moved[:, 3] - moved[:, :3] @ origin) / unit])
 
 
 def by_tiers(
@@ -110,6 +105,20 @@ def by_tiers(
 
 def design_unit(stone: Stone, design: Design) -> float:
     """Return the stone's unit of length in that of its design."""
-    outline = np.ptp(stone.solid.vertices[:, :2], axis=0).max()
-    corners = np.concatenate([c for c in design.corners() if len(c)])
-    return float(np.ptp(corners[:, :2], axis=0).max() / outline)
+    return _frame(stone, _facet_planes(stone, design))[1]
+
+
+def _facet_planes(stone: Stone, design: Design) -> np.ndarray:
+    """Return the design's planes of the stone's facets, in their order, (p, 4)."""
+    number = {name: k for k, name in enumerate(design.facet_names())}
+    return design.planes()[[number[facet.name] for facet in stone.facets]]
+
+
+def _frame(stone: Stone, planes: np.ndarray) -> tuple[np.ndarray, float]:
+    """Return origin (3,) and unit of the stone's frame in its design's, from the design's planes (p, 4).
+
+    What takes these to the stone's: offset = (distance - normal . origin) / unit.
+    """
+    system = np.column_stack([planes[:, :3], stone.solid.planes[:, 3]])
+    *origin, unit = np.linalg.lstsq(system, planes[:, 3], rcond=None)[0]
+    return np.array(origin), float(unit)

@@ -8,7 +8,7 @@ import numpy as np
 
 from gemrender.plugins.checks import RAY_OFFSET, SceneCheck, is_stone
 from gemrender.plugins.spectra import N_ROWS, parting_colour, row_of, tabulated
-from gemrender.scene.convex import ConvexSolid
+from gemrender.scene.convex import PlacedSolid
 from gemrender.scene.shapes import FLAT
 
 __all__ = ["RAY_OFFSET", "Stones", "reflectance", "refracted"]
@@ -240,7 +240,7 @@ class Stones:
         radiance = si.emitter(self.scene, active).eval(si, active)
         return active & si.is_valid() & ~si.shape.is_emitter(), radiance
 
-    def _compile(self, solids: list[ConvexSolid], n_stones: int) -> bool:
+    def _compile(self, solids: list[PlacedSolid], n_stones: int) -> bool:
         """Put the planes of all stones into the kernel, as numbers that it reads once, if they are few."""
         most = max((len(solid.planes) for solid in solids), default=0)
         padded = next((n for n in PLANE_CLASSES if n >= most), None)

@@ -8,6 +8,7 @@ triangle it passes closest by, so that none is lost.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -69,6 +70,19 @@ def surfaces_of(stone: Stone) -> Surfaces:
     return _Planes(solid) if isinstance(solid, ConvexSolid) else _Triangles(solid)
 
 
+#: Distance, facet and normal of each ray, from its start, its direction, and whether it is inside.
+_Nearest = Callable[[np.ndarray, np.ndarray, bool], tuple[np.ndarray, np.ndarray, np.ndarray]]
+
+
+def _by_chunks(nearest: _Nearest, origin: np.ndarray, direction: np.ndarray, inside: bool) -> Hit:
+    """Find the surfaces some rays at a time."""
+    parts = [
+        nearest(origin[i : i + _CHUNK], direction[i : i + _CHUNK], inside)
+        for i in range(0, len(origin), _CHUNK)
+    ]
+    return Hit(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
+
+
 class _Planes:
     """A convex solid: planes, and the cylinder of radius 1 where the girdle is round."""
 
@@ -79,11 +93,7 @@ class _Planes:
         self._is_round = solid.is_round
 
     def nearest(self, origin: np.ndarray, direction: np.ndarray, *, inside: bool) -> Hit:
-        parts = [
-            self._nearest(origin[i : i + _CHUNK], direction[i : i + _CHUNK], inside)
-            for i in range(0, len(origin), _CHUNK)
-        ]
-        return Hit(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
+        return _by_chunks(self._nearest, origin, direction, inside)
 
     def _nearest(
         self, origin: np.ndarray, direction: np.ndarray, inside: bool
@@ -133,11 +143,7 @@ class _Triangles:
         self._inward, self._constants = inward, np.einsum("ijk,ijk->ij", inward, v)
 
     def nearest(self, origin: np.ndarray, direction: np.ndarray, *, inside: bool) -> Hit:
-        parts = [
-            self._nearest(origin[i : i + _CHUNK], direction[i : i + _CHUNK], inside)
-            for i in range(0, len(origin), _CHUNK)
-        ]
-        return Hit(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
+        return _by_chunks(self._nearest, origin, direction, inside)
 
     def _nearest(
         self, origin: np.ndarray, direction: np.ndarray, inside: bool

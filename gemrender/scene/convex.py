@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-__all__ = ["ConvexSolid", "convex_solid", "fits"]
+__all__ = ["PlacedSolid", "fits", "placed_solid"]
 
 #: How far a vertex may lie beyond a plane, or beside the girdle's cylinder [share of the solid's size]: the
 #: rounding of single precision in positions and normals.
@@ -22,7 +22,7 @@ _AT_ONCE = 1 << 22
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ConvexSolid:
+class PlacedSolid:
     """A convex solid in world coordinates.
 
     Attributes
@@ -70,9 +70,9 @@ def fits(positions: np.ndarray, faces: np.ndarray, planes: np.ndarray) -> bool:
     return bool((np.abs(off) <= _FLAT * _size(positions)).all())  # false for NaN too
 
 
-def convex_solid(
+def placed_solid(
     positions: np.ndarray, normals: np.ndarray, faces: np.ndarray, planes: np.ndarray
-) -> ConvexSolid | None:
+) -> PlacedSolid | None:
     """Return the solid that a stone's mesh bounds, or None if it is not convex or its girdle not round.
 
     The planes are taken as the mesh carries them. Where they do not fit, as after a transform of the mesh,
@@ -106,7 +106,7 @@ def convex_solid(
                 break
         else:
             return None
-    solid = ConvexSolid(planes=distinct, cylinder=None)
+    solid = PlacedSolid(planes=distinct, cylinder=None)
     if not solid.holds(positions, margin=_FLAT * size).all():
         return None
     if flat.all():
@@ -118,7 +118,7 @@ def convex_solid(
     beside = np.abs(_radii(positions[on_girdle], cylinder[:3], cylinder[3:6]) - cylinder[6])
     if not beside.max() <= _FLAT * size:
         return None
-    return ConvexSolid(planes=distinct, cylinder=cylinder)
+    return PlacedSolid(planes=distinct, cylinder=cylinder)
 
 
 def _size(positions: np.ndarray) -> float:

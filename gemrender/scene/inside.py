@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gemrender.scene.convex import ConvexSolid
+from gemrender.scene.convex import PlacedSolid
 
 __all__ = ["Ball", "Inside", "crosses", "distinct_rows", "overlap", "reaches_into", "winding_number"]
 
@@ -72,12 +72,12 @@ class Inside:
     ----------
     triangles : (n, 3, 3) float64
         The surface, anticlockwise seen from outside [scene unit].
-    known : ConvexSolid, Ball or None
+    known : PlacedSolid, Ball or None
         The solid, where it is one of these.
     """
 
     triangles: np.ndarray
-    known: ConvexSolid | Ball | None
+    known: PlacedSolid | Ball | None
 
     @classmethod
     def of(cls, triangles: np.ndarray) -> Inside:
@@ -111,7 +111,7 @@ class Inside:
         return out
 
 
-def _convex(triangles: np.ndarray) -> ConvexSolid | None:
+def _convex(triangles: np.ndarray) -> PlacedSolid | None:
     """Return the solid that triangles (n, 3, 3) bound if it is convex."""
     area, height = _area_and_height(triangles)
     corners = distinct_rows(triangles.reshape(-1, 3))
@@ -127,7 +127,7 @@ def _convex(triangles: np.ndarray) -> ConvexSolid | None:
     for rows in _chunks(len(corners), len(normals)):
         if (corners[rows] @ normals.T > offsets + beyond).any():
             return None
-    return ConvexSolid(planes=np.column_stack([normals, offsets]), cylinder=None)
+    return PlacedSolid(planes=np.column_stack([normals, offsets]), cylinder=None)
 
 
 def overlap(a: Inside, b: Inside, depth: float) -> bool:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from gemrender.scene.convex import ConvexSolid, convex_solid
+from gemrender.scene.convex import PlacedSolid, placed_solid
 from gemrender.scene.loading import load_scene
 from gemrender.scene.placing import Placed
 from gemrender.stone import Stone, StoneMesh, tessellate
@@ -156,7 +156,7 @@ def carried_planes(shape: Any) -> np.ndarray | None:
     return np.column_stack([(high + low).reshape(-1, 3), offset_high + offset_low])
 
 
-def mesh_solid(shape: Any) -> ConvexSolid | None:
+def mesh_solid(shape: Any) -> PlacedSolid | None:
     """Return a stone's solid by the planes that its mesh carries; None if it has none or is not convex."""
     import mitsuba as mi
 
@@ -166,7 +166,7 @@ def mesh_solid(shape: Any) -> ConvexSolid | None:
     values = mi.traverse(shape)
     positions = np.array(values["vertex_positions"]).reshape(-1, 3)
     normals = np.array(values["vertex_normals"]) if shape.has_vertex_normals() else np.zeros(positions.size)
-    return convex_solid(positions, normals.reshape(-1, 3), np.array(values["faces"]).reshape(-1, 3), planes)
+    return placed_solid(positions, normals.reshape(-1, 3), np.array(values["faces"]).reshape(-1, 3), planes)
 
 
 def _mesh(

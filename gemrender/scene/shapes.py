@@ -9,7 +9,7 @@ import numpy as np
 
 from gemrender.errors import InputError
 from gemrender.scene.closed import ClosedSurface, closed_surface
-from gemrender.scene.convex import ConvexSolid
+from gemrender.scene.convex import PlacedSolid
 from gemrender.scene.inside import Ball, Inside
 from gemrender.scene.mesh import mesh_solid
 
@@ -45,7 +45,7 @@ class StoneShape:
         Its id, or its file's name.
     ptr : int
         Address of the shape.
-    solid : ConvexSolid or None
+    solid : PlacedSolid or None
         Its planes, where it is one of `placed_mesh`'s.
     facing : (f,) float32 or None
         For each face, what its normal is multiplied by to be the stone's outward one: 1 or -1 for that of the
@@ -65,7 +65,7 @@ class StoneShape:
 
     def __init__(self, shape: Any) -> None:
         self.name, self.ptr = name_of(shape), shape.ptr
-        self.solid: ConvexSolid | None = None
+        self.solid: PlacedSolid | None = None
         self.facing: np.ndarray | None = None
         self.mended = ""
         self._surface: ClosedSurface | None = None

@@ -169,7 +169,7 @@ class Stone:
     @property
     def proportions(self) -> Any:
         """The proportions that it was made from (`RoundBrilliant`), or None."""
-        return self.cut if hasattr(self.cut, "girdle_thickness") else None
+        return self.cut if self.labelled_vertices is not None else None
 
     @cached_property
     def half_width(self) -> float:

@@ -8,7 +8,7 @@ from physics_tolerances import READ_BACK
 from solids import bent_stone
 
 from gemrender import load_stone
-from gemrender.scene.convex import convex_solid
+from gemrender.scene.convex import placed_solid
 from gemrender.scene.mesh import carried_planes, mesh_solid, placed_mesh, stone_mesh
 from gemrender.scene.placing import Placed
 from gemrender.stone import tessellate
@@ -39,7 +39,7 @@ def solid_of(stone, moved=None, normals=1.0, **place):
         points = points @ moved.T
         own = own @ np.linalg.inv(moved)
         own /= np.maximum(np.linalg.norm(own, axis=1, keepdims=True), 1e-9)
-    return convex_solid(points.astype(np.float32), own.astype(np.float32), faces, planes)
+    return placed_solid(points.astype(np.float32), own.astype(np.float32), faces, planes)
 
 
 def expected_planes(stone):

@@ -18,7 +18,7 @@ from gemrender.errors import InputError
 
 CASES = Path(__file__).parents[1] / "cases" / "stones"
 #: Files of each kind; more by the environment, as `GEMRENDER_DAMAGED=1000 pytest ...`.
-EXAMPLES = int(os.environ.get("GEMRENDER_DAMAGED", "40"))
+EXAMPLES = int(os.environ.get("GEMRENDER_DAMAGED", "60"))
 KINDS = ("asc", "gem", "gcs", "stl", "obj", "ply", "glb", "srn")
 
 

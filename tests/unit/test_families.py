@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -103,3 +103,9 @@ def test_what_makes_no_cut_is_told(stone_of, text, said):
 def test_every_parameter_is_in_the_docstring(family):
     for part in fields(family):
         assert part.name in family.__doc__
+
+
+def test_a_familys_own_parameters_are_no_brilliants_proportions():
+    """A family may keep itself as the stone's cut, and call a parameter what brilliants do."""
+    cut = step.Parameters()
+    assert replace(cut.stone(), cut=cut).proportions is None
