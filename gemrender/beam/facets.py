@@ -5,6 +5,7 @@ from __future__ import annotations
 from contextlib import nullcontext
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import Unpack
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from gemrender.beam.solid import NO_WEDGE, BeamStone, beam_stone
 from gemrender.measures import inoue
 from gemrender.observation import LIGHT_LEVEL, Model, RayStatus, View
 from gemrender.paths import Paths
+from gemrender.request import ShortForms, resolve
 from gemrender.stone import Stone
 
 __all__ = ["FacetStatus", "VirtualFacets", "along_paths", "kernel_rules", "polygon_paths", "trace_facets"]
@@ -224,6 +226,7 @@ def trace_facets(
     model: Model | None = None,
     whole: bool = True,
     budget: Budget | None = None,
+    **short: Unpack[ShortForms],
 ) -> VirtualFacets:
     """Cut a view of a convex stone into its virtual facets.
 
@@ -236,17 +239,21 @@ def trace_facets(
     model : Model, optional
         The optical model; by default that of the stone's material.
     whole : bool
-        Whether to trace the whole view, or, of a symmetric stone from straight above, a sixteenth.
+        Whether to trace the whole view, or, of a symmetric stone from straight above, a part.
     budget : Budget, optional
         Time and memory to keep to: what is not followed to its end within them becomes girdle cells. Without
         one there are no limits, and a few stones of a high index take minutes and gigabytes.
+    **short
+        Short forms of view and model, such as tilt (`gemrender.request.ShortForms`).
 
     Raises
     ------
     InputError
-        The stone is not convex.
+        The stone is not convex, or a short form is refused.
     """
     convex = stone if isinstance(stone, BeamStone) else beam_stone(stone)
+    if short:
+        view, model = resolve(convex.stone, view, model, short)
     view = view or View(resolution=1)
     model = model or Model.of(convex.stone)
     wedge = NO_WEDGE if whole else convex.wedge(view)

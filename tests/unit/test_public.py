@@ -97,3 +97,17 @@ def test_score_stays_the_function(statement):
 def test_the_example_of_the_design_runs():
     done = run_python("-c", EXAMPLE + "print(round(result.average, 1), observation.primary_intensity.shape)")
     assert done.stdout == "60.4 (1024, 1024)\n", done.stderr
+
+
+def test_short_forms_mean_the_same_in_every_function():
+    stone = gemrender.load_stone("inoue-3")
+    view = gemrender.View.of(stone, 16, tilt_deg=5.0)
+    facets = gemrender.trace_facets(stone, tilt=5.0, fresnel="exact")
+    assert (facets.view.tilt_deg, facets.model.fresnel) == (5.0, "exact")
+    score = gemrender.score(stone, tilt=5.0, fresnel="exact")
+    model = gemrender.Model.of(stone, fresnel="exact")
+    assert score.average == gemrender.score(stone, view=view, model=model).average
+    with pytest.raises(TypeError, match="unknown option 'tilt_deg'"):
+        gemrender.score(stone, tilt_deg=5.0)
+    with pytest.raises(gemrender.InputError, match="tilt: is given twice, by view and by itself"):
+        gemrender.trace_facets(stone, view=view, tilt=5.0)
