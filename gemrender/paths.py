@@ -8,25 +8,39 @@ import numpy as np
 
 from gemrender.stone import Stone
 
-__all__ = ["Paths"]
+__all__ = ["FOLLOW", "Paths"]
+
+#: Ways to follow light: `principal`, by total reflection until the first crossing below the critical angle
+#: (the paper); `all`, where at each such crossing the transmitted share leaves and the reflected one goes on.
+FOLLOW = ("principal", "all")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Paths:
-    """Principal paths, one row a path, followed back from the eye: of a pixel, a ray, or a virtual facet.
+    """Paths of light, one row a path, followed back from the eye: of a pixel, a ray, or a virtual facet.
 
     No tracer knows a measure, and no measure a tracer: measures are functions of these
     (`gemrender.measures`). Where planes carry derivatives (complex128), so do areas, cosines, points and
     directions.
 
+    Where all light is followed, a ray has a row for each crossing through which some of it leaves, and the
+    first of them is its principal path: rows with no partial reflection together make the view. The share of
+    the light at the eye that comes along a path is T(cos_entry) weight T(cos_exit), T = 1 - R by Fresnel.
+
     Attributes
     ----------
     area : (n,) float64 or complex128
-        Area of the view that each stands for [stone's unit^2].
+        Area of the view that each stands for [stone's unit^2]. Of random continuations (rows of a ray that
+        has been reflected in part) the area divided by the probability of being chosen: sums of area times
+        share are unbiased.
+    weight : (n,) float64
+        Product of the reflectances at the partial reflections inside before it leaves; 1 without any.
     status : (n,) int64
-        `RayStatus`.
+        `RayStatus`. TRAPPED is light that is still inside where it was followed no further.
     reflections : (n,) int64
-        Total reflections.
+        Reflections inside, total and partial ones.
+    partial_reflections : (n,) int64
+        The partial ones among them, below the critical angle; 0 on the principal path.
     entry_facet, exit_facet : (n,) int64
         Facets on the eye's side and on the light's side; -1 for none.
     cos_entry, cos_exit : (n,) float64 or complex128
@@ -35,19 +49,36 @@ class Paths:
         Where the path leaves the stone: where the light came in [stone's unit].
     exit_direction : (n, 3) float64 or complex128
         Unit direction in which it leaves; the light came the opposite way.
+    entry_normal : (n, 3) float64 or None
+        Outward unit normal where it enters; None if the tracer does not give it.
+    unfolded_exit_normal : (n, 3) float64 or None
+        Outward unit normal where it leaves, mirrored back through all reflections of the path: the stone
+        unfolded into one straight way from the entry. None if the tracer does not give it.
+    set_number : (n,) int64 or None
+        Of rays in independent sets the set that each belongs to: what the sets find scatters, and so tells
+        the error. None where the rows are no random sample.
+    images : (n,) int64 or None
+        Of a part of a symmetric view, how many of the whole view's virtual facets each row stands for; None
+        where the whole view was traced.
     stone : Stone
         What was traced.
     """
 
     area: np.ndarray
+    weight: np.ndarray
     status: np.ndarray
     reflections: np.ndarray
+    partial_reflections: np.ndarray
     entry_facet: np.ndarray
     exit_facet: np.ndarray
     cos_entry: np.ndarray
     cos_exit: np.ndarray
     exit_point: np.ndarray
     exit_direction: np.ndarray
+    entry_normal: np.ndarray | None = None
+    unfolded_exit_normal: np.ndarray | None = None
+    set_number: np.ndarray | None = None
+    images: np.ndarray | None = None
     stone: Stone
 
     def __len__(self) -> int:

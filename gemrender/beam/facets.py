@@ -207,8 +207,10 @@ def polygon_paths(polygons: Traced, planes: np.ndarray, facet: np.ndarray, view:
     cos_exit = (planes[leaves, :3] * direction).sum(axis=1)
     return Paths(
         area=polygons.areas,
+        weight=np.ones(len(status)),
         status=_RAY_STATUS[status],
         reflections=reflections,
+        partial_reflections=np.zeros(len(status), dtype=np.int64),
         entry_facet=facet[entry],
         exit_facet=np.where(exits, facet[leaves], -1),
         cos_entry=(planes[:, :3] @ view.basis()[2])[entry],

@@ -303,8 +303,10 @@ def ray_paths(rays: np.ndarray, facet: np.ndarray, area: np.ndarray, stone: Ston
     exits = rays["status"] == RayStatus.EXITED
     return Paths(
         area=area,
+        weight=np.ones(len(rays)),
         status=rays["status"],
         reflections=rays["reflections"],
+        partial_reflections=np.zeros(len(rays), dtype=np.int64),
         entry_facet=rays["entry"],
         exit_facet=np.where(exits, facet[rays["exit"]], -1),
         cos_entry=rays["cos_entry"],
