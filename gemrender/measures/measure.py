@@ -1,0 +1,166 @@
+"""What a measure is: a function of paths, with a name, a version, a definition and a source.
+
+One of your own is a class with a `contributions` method::
+
+    class Overhead(Measure):
+        name, version = "overhead", 1
+        definition = "light from within 30 degrees of the viewer's zenith"
+        source = "this example"
+
+        def contributions(self, light):
+            return light.share * (light.zenith_cosine > np.cos(np.pi / 6))
+
+    gemrender.score(stone, measures=["inoue", Overhead()])
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from gemrender.observation import Model, RayStatus, View
+from gemrender.optics.fresnel import reflectance, transmittance
+from gemrender.paths import Paths
+
+__all__ = ["HEAD_DEG", "Light", "Measure"]
+
+#: Half the angle at which the viewer's head is seen from the stone [deg].
+HEAD_DEG = 10.0
+#: A direction so close to a limit of a zone counts as outside it, and as tied (difference of cosines).
+TIE = 1e-7
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Light:
+    """Paths as measures take them: what several measures need is worked out once.
+
+    Attributes
+    ----------
+    paths : Paths
+        One row a path.
+    view, model : View, Model
+        From where and by which model they were traced.
+    head_deg : float
+        Half the angle at which the viewer's head is seen from the stone [deg].
+    """
+
+    paths: Paths
+    view: View
+    model: Model
+    head_deg: float = HEAD_DEG
+
+    def __len__(self) -> int:
+        return len(self.paths)
+
+    @cached_property
+    def is_exit(self) -> np.ndarray:
+        """(n,) bool: light that leaves the stone."""
+        return np.asarray(self.paths.status == RayStatus.EXITED)
+
+    @cached_property
+    def is_principal(self) -> np.ndarray:
+        """(n,) bool: principal paths, which have met the stone: their areas make the view."""
+        return np.asarray((self.paths.partial_reflections == 0) & (self.paths.status != RayStatus.MISSED))
+
+    @cached_property
+    def zenith_cosine(self) -> np.ndarray:
+        """(n,) cosine of the exit direction with the viewer's zenith: the direction to the eye; -1 to 1."""
+        return np.asarray(self.paths.exit_direction.real @ self.view.basis()[2])
+
+    @cached_property
+    def entering(self) -> np.ndarray:
+        """(n,) share of the light at the eye that is inside before any exit: T of the entry, by Fresnel."""
+        met = self.paths.status != RayStatus.MISSED
+        return np.asarray(np.where(met, 1.0 - self.surface_reflectance, 0.0))
+
+    @cached_property
+    def arriving(self) -> np.ndarray:
+        """(n,) share of the light at the eye that arrives where the path leaves: entering times weight."""
+        return np.asarray(self.entering * self.paths.weight)
+
+    @cached_property
+    def share(self) -> np.ndarray:
+        """(n,) share of the light at the eye that comes along the path; 0 for what does not leave."""
+        leaving = transmittance(np.where(self.is_exit, self.paths.cos_exit.real, 1.0), self.model.index)
+        return np.asarray(np.where(self.is_exit, self.arriving * leaving, 0.0))
+
+    @cached_property
+    def surface_reflectance(self) -> np.ndarray:
+        """(n,) reflectance of the facet that each path enters by; 0 where none does."""
+        met = self.paths.status != RayStatus.MISSED
+        cos = np.where(met, self.paths.cos_entry.real, 1.0)
+        return np.asarray(np.where(met, reflectance(cos, self.model.index), 0.0))
+
+    @cached_property
+    def mirror_cosine(self) -> np.ndarray:
+        """(n,) cosine with the viewer's zenith of what the facet of entry mirrors to the eye: 2 cos^2 - 1."""
+        return np.asarray(2.0 * self.paths.cos_entry.real**2 - 1.0)
+
+
+class Measure:
+    """A function of paths; the base class of all measures.
+
+    Attributes
+    ----------
+    name : str
+        Name on the command line and in files.
+    version : int
+        Counted up whenever its numbers change.
+    definition, source : str
+        In words and formula, and whose it is.
+    keys : tuple of str
+        Names of its values; `("value",)` where there is one.
+    channels : tuple of str
+        Names of what `contributions` yields, in order, which are those of its maps; by default `keys`.
+    follow : {"principal", "all"}
+        The light that it needs.
+    is_axial : bool
+        Whether it is the same for every stone that a rotation about the eye's direction or a mirror plane
+        through it yields; then a part of a symmetric stone's view is enough.
+    views : {"one", "hemisphere"}
+        Whether it is of one view, or a sum over all views from above.
+    """
+
+    name: str = ""
+    version: int = 1
+    definition: str = ""
+    source: str = ""
+    keys: tuple[str, ...] = ("value",)
+    channels: tuple[str, ...] = ()
+    follow: str = "all"
+    is_axial: bool = False
+    views: str = "one"
+
+    def contributions(self, light: Light) -> np.ndarray:
+        """Return what each path adds, per unit of its area.
+
+        Returns
+        -------
+        (n,) or (n, k) float64
+            One column for each of `channels`, 0 to 1 for shares.
+        """
+        raise NotImplementedError
+
+    def values(self, sums: np.ndarray, area: np.ndarray) -> np.ndarray:
+        """Return the values, from the sums of area times contribution.
+
+        Parameters
+        ----------
+        sums : (..., k) float64
+            One for each of `channels` [stone's unit^2].
+        area : (...,) float64
+            Area of the view [stone's unit^2].
+
+        Returns
+        -------
+        (..., len(keys)) float64
+            By default the mean over the view in per cent.
+        """
+        return np.asarray(100.0 * sums / np.asarray(area)[..., None])
+
+    def details(self, light: Light) -> dict[str, Any]:
+        """Return further values that are no sums, of the paths of virtual facets; by default none."""
+        return {}
