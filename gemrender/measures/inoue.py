@@ -69,8 +69,11 @@ def path_intensity(cos_entry: np.ndarray, cos_exit: np.ndarray, model: Model) ->
 
 
 def primary_intensity(paths: Paths, model: Model, rear: np.ndarray) -> np.ndarray:
-    """Return the intensity of each path, (n,), 0 to 1; 0 for rear light (n,) bool, and without an exit."""
-    lit = np.flatnonzero((paths.status == RayStatus.EXITED) & ~rear)
+    """Return the intensity of each principal path, (n,), 0 to 1.
+
+    It is 0 for rear light (n,) bool, without an exit, and of light that has been reflected in part.
+    """
+    lit = np.flatnonzero((paths.status == RayStatus.EXITED) & ~rear & (paths.partial_reflections == 0))
     out = np.zeros(len(paths), dtype=paths.cos_exit.dtype)
     out[lit] = path_intensity(paths.cos_entry[lit], paths.cos_exit[lit], model)
     return out
@@ -83,7 +86,7 @@ def sum_up(
     sets: np.ndarray | None = None,
     n_sets: int = 1,
 ) -> np.ndarray:
-    """Sum up areas by what became of the light, each set of paths by itself.
+    """Sum up areas by what became of the principal light, each set of paths by itself.
 
     Parameters
     ----------
@@ -106,7 +109,7 @@ def sum_up(
     column[rear] = REAR
     column[paths.status == RayStatus.TRAPPED] = TRAPPED
     column[paths.status == RayStatus.LOST] = LOST
-    met = np.flatnonzero(paths.status != RayStatus.MISSED)
+    met = np.flatnonzero((paths.status != RayStatus.MISSED) & (paths.partial_reflections == 0))
     by_column = np.bincount(sets[met] * N_SUMS + column[met], paths.area[met], n_sets * N_SUMS)
     out += by_column.reshape(n_sets, N_SUMS)
     out[:, MET] = np.bincount(sets[met], paths.area[met], n_sets)

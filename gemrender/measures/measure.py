@@ -115,6 +115,8 @@ class Measure:
         Names of its values; `("value",)` where there is one.
     channels : tuple of str
         Names of what `contributions` yields, in order, which are those of its maps; by default `keys`.
+    unit : str
+        Unit of its values. Rays are followed until values in per cent are within the wanted bound.
     follow : {"principal", "all"}
         The light that it needs.
     is_axial : bool
@@ -130,6 +132,7 @@ class Measure:
     source: str = ""
     keys: tuple[str, ...] = ("value",)
     channels: tuple[str, ...] = ()
+    unit: str = "%"
     follow: str = "all"
     is_axial: bool = False
     views: str = "one"
