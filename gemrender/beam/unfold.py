@@ -35,7 +35,7 @@ def _unfold(nodes: Any, planes: Any, out: Any) -> None:
         parent, plane = nodes[k, 0], nodes[k, 1]
         nx, ny, nz = planes[plane, 0], planes[plane, 1], planes[plane, 2]
         for j in range(3):
-            a, b, c = float(j == 0), float(j == 1), float(j == 2)
+            a, b, c = 1.0 if j == 0 else 0.0, 1.0 if j == 1 else 0.0, 1.0 if j == 2 else 0.0
             if parent >= 0:
                 a, b, c = out[parent, j, 0], out[parent, j, 1], out[parent, j, 2]
                 twice = 2.0 * (a * nx + b * ny + c * nz)

@@ -94,7 +94,10 @@ class Tally:
 
 def _sums(light: Light, added: np.ndarray, sets: np.ndarray | None, n_sets: int) -> np.ndarray:
     """Sum up what each path adds per unit of its area, (n,) or (n, k); (n_sets, k)."""
-    added, area = np.asarray(added, dtype=np.float64).reshape(len(light), -1), light.paths.area
+    added, area = (added[:, None] if added.ndim == 1 else added), light.paths.area
     if sets is None:
-        return np.asarray((area @ added)[None])
-    return np.stack([np.bincount(sets, area * column, n_sets) for column in added.T], axis=1)
+        return np.asarray(area @ added)[None]
+    out = np.empty((n_sets, added.shape[1]))
+    for k, column in enumerate(added.T):
+        out[:, k] = np.bincount(sets, area * column, n_sets)
+    return out
