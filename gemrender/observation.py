@@ -248,6 +248,13 @@ class MeasureValues:
     bound: float | None
     details: dict[str, Any] = field(default_factory=dict)
 
+    def to_dict(self) -> dict[str, Any]:
+        """Return it as JSON has it: values and details by name, bound and version; null for NaN."""
+        values: dict[str, Any] = {
+            key: None if math.isnan(value) else value for key, value in self.values.items()
+        }
+        return values | self.details | {"bound": self.bound, "version": self.version}
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Measurement:

@@ -75,7 +75,7 @@ _TRAPPED, _LOST = int(RayStatus.TRAPPED), int(RayStatus.LOST)
 
 def empty_rays(n: int, random: np.ndarray | None = None) -> Rays:
     """Return n rays that have met nothing; for all light, if states of random numbers (n,) are given."""
-    if random is None or not len(random):
+    if random is None or len(random) < n:
         return Rays(np.zeros((_NUMBERS, n)), np.zeros((_FACTS, n), np.int64), np.empty(0, np.uint64))
     return Rays(np.zeros((_NUMBERS_OF_ALL, 2 * n)), np.zeros((_FACTS, 2 * n), np.int64), random)
 

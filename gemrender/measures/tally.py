@@ -33,8 +33,8 @@ class Tally:
     Attributes
     ----------
     n_sums : int
-        Numbers that are summed up: first those of `inoue.sum_up`, then `REST`, then the channels of each
-        measure.
+        Numbers that are summed up: first those of `inoue.sum_up`; where there are measures, then `REST` and
+        the channels of each.
     follows_all : bool
         Whether a measure needs all light.
     is_axial : bool
@@ -50,7 +50,7 @@ class Tally:
         numbers = [len(measure.channels or measure.keys) for measure in measures]
         ends = REST + 1 + np.cumsum(numbers, dtype=np.int64)
         self._columns = [slice(end - n, end) for end, n in zip(ends, numbers, strict=True)]
-        self.n_sums = REST + 1 + sum(numbers)
+        self.n_sums = REST + 1 + sum(numbers) if measures else inoue.N_SUMS
 
     def sum_up(self, paths: Paths, sets: np.ndarray | None = None, n_sets: int = 1) -> np.ndarray:
         """Sum up paths, each set of them by itself.
