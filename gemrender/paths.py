@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -83,3 +83,11 @@ class Paths:
 
     def __len__(self) -> int:
         return len(self.status)
+
+    def rows(self, chosen: np.ndarray) -> Paths:
+        """Return some of the paths: those of numbers (k,), or where a mask (n,) is true."""
+        columns = {field.name: getattr(self, field.name) for field in fields(self)}
+        return replace(
+            self,
+            **{name: column[chosen] for name, column in columns.items() if isinstance(column, np.ndarray)},
+        )
