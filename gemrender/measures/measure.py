@@ -193,6 +193,8 @@ class Measure:
         Names of its values; `("value",)` where there is one.
     channels : tuple of str
         Names of what `contributions` yields, in order, which are those of its maps; by default `keys`.
+    detail_keys : tuple of str
+        Names of what `details` returns.
     follow : {"principal", "all"}
         The light that it needs; of the principal light it is given the principal paths only.
     is_axial : bool
@@ -208,6 +210,7 @@ class Measure:
     source: str = ""
     keys: tuple[str, ...] = ("value",)
     channels: tuple[str, ...] = ()
+    detail_keys: tuple[str, ...] = ()
     follow: str = "all"
     is_axial: bool = False
     views: str = "one"
