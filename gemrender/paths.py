@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -88,11 +88,13 @@ class Paths:
     def __len__(self) -> int:
         return len(self.status)
 
-    def __getitem__(self, rows: np.ndarray | slice) -> Paths:
-        """Return some of the rows."""
-        columns = {each.name: getattr(self, each.name) for each in fields(self) if each.name != "stone"}
-        chosen: dict[str, Any] = {key: None if v is None else v[rows] for key, v in columns.items()}
-        return Paths(stone=self.stone, **chosen)
+    def rows(self, chosen: np.ndarray) -> Paths:
+        """Return some of the paths: those of numbers (k,), or where a mask (n,) is true."""
+        columns = {field.name: getattr(self, field.name) for field in fields(self)}
+        return replace(
+            self,
+            **{name: column[chosen] for name, column in columns.items() if isinstance(column, np.ndarray)},
+        )
 
     @staticmethod
     def joined(parts: Sequence[Paths]) -> Paths:

@@ -150,7 +150,7 @@ def trace_paths(
     facets = trace_facets(convex, view=view, model=model, least=_LEAST if follow == "all" else 0.0)
     near = NearGirdle(convex, facets, seed, tally)
     _settle(tally, _sums(tally, facets), near, wanted, None, None)
-    return Paths.joined([facets.paths[facets.status != FacetStatus.GIRDLE], *near.paths()])
+    return Paths.joined([facets.paths.rows(facets.status != FacetStatus.GIRDLE), *near.paths()])
 
 
 def _settle(
@@ -202,7 +202,7 @@ class _Found:
     def measures(self, facets: VirtualFacets) -> tuple[MeasureValues, ...]:
         """Return what each measure says."""
         counted = np.flatnonzero(facets.is_counted | (facets.paths.partial_reflections > 0))
-        paths = replace(facets.paths[counted], images=facets.images()[counted])
+        paths = replace(facets.paths.rows(counted), images=facets.images()[counted])
         light = self._tally.light(paths)
         return tuple(
             MeasureValues(

@@ -148,8 +148,7 @@ class NearGirdle:
         random = self._states(sets, n)
 
         def some_sets(part: slice) -> np.ndarray:
-            paths, of = self._paths(region, unit[part], random[part])
-            return self._tally.sum_up(paths, of, len(unit[part]))
+            return self._tally.sum_up(self._paths(region, unit[part], random[part]), len(unit[part]))
 
         self.rays += sets * n
         if sets * n < _THREAD_RAYS:
@@ -163,13 +162,12 @@ class NearGirdle:
         shape = (sets, n if self._follows_all else 0)
         return self._random.integers(1, 1 << 63, shape, dtype=np.uint64)
 
-    def _paths(self, region: _Region, unit: np.ndarray, random: np.ndarray) -> tuple[Paths, np.ndarray]:
-        """Follow rays through points of the unit square (sets, n, 2); their paths, and the set of each."""
+    def _paths(self, region: _Region, unit: np.ndarray, random: np.ndarray) -> Paths:
+        """Follow rays through points of the unit square (sets, n, 2); return their paths."""
         convex, n = self._convex, unit.shape[1]
         rays, areas, of = region.rays(unit.reshape(-1, 2), random.reshape(-1))
         follow_rays(convex.solid, convex.facet, self._model.index, self._model.max_reflections, rays)
-        paths = ray_paths(rays, convex.facet, areas / n, convex.stone)
-        return paths, np.resize(of // n, len(paths))  # later exits come after all others
+        return ray_paths(rays, convex.facet, areas / n, convex.stone, of // n)
 
     def paths(self) -> list[Paths]:
         """Return paths of as many rays as have been followed: areas of all sets together make the regions."""
@@ -179,12 +177,13 @@ class NearGirdle:
             if n == 0:
                 continue
             unit = (self._shifts[:, k, None] + np.arange(1, n + 1)[:, None] * _STEPS) % 1.0
-            paths, of = self._paths(region, unit, self._states(SETS, n))
+            paths = self._paths(region, unit, self._states(SETS, n))
+            assert paths.set_number is not None
             share = np.full(SETS, 1.0 / SETS)
             if k == RIM:  # as `found` has it
                 met = paths.area * ((paths.status != RayStatus.MISSED) & (paths.partial_reflections == 0))
-                share *= self.areas[RIM] / np.maximum(np.bincount(of, met, SETS), 1e-300)
-            out.append(replace(paths, area=paths.area * share[of], set_number=of))
+                share = share * self.areas[RIM] / np.maximum(np.bincount(paths.set_number, met, SETS), 1e-300)
+            out.append(replace(paths, area=paths.area * share[paths.set_number]))
         return out
 
     def found(self) -> np.ndarray:
