@@ -10,8 +10,10 @@ import mitsuba as mi
 
 from gemrender.errors import InputError
 from gemrender.observation import (
+    CROSSING_CHANNELS,
     GROUND,
     INTENSITIES,
+    LATER_CHANNELS,
     LIGHT_LEVEL,
     MAP_CHANNELS,
     MOST_REFLECTIONS,
@@ -27,13 +29,24 @@ from gemrender.optics.fresnel import (
     GUBELIN_REFLECTED,
     LEAST_TOTAL,
 )
+from gemrender.paths import FOLLOW
 from gemrender.plugins.checks import FacetCheck
 from gemrender.plugins.properties import choice, number, whole_number
-from gemrender.plugins.surfaces import RAY_OFFSET, enter, meet, set_out, turn
+from gemrender.plugins.stones import reflectance
+from gemrender.plugins.surfaces import RAY_OFFSET, Way, enter, meet, set_out, turn
 from gemrender.stone.facets import LEVEL
 
-#: The integrator's channels, in order, after the film's own.
-AOV_NAMES = tuple(name for names in MAP_CHANNELS.values() for name in names)
+
+def _names(*parts: dict[str, tuple[str, ...]]) -> tuple[str, ...]:
+    return tuple(name for part in parts for names in part.values() for name in names)
+
+
+#: The integrator's channels, in order, after the film's own; where all light is followed, all of them.
+AOV_NAMES, PATH_NAMES, LATER_NAMES = (
+    _names(MAP_CHANNELS),
+    _names(MAP_CHANNELS, CROSSING_CHANNELS),
+    _names(LATER_CHANNELS),
+)
 
 #: How far the relative index may be from the one that Gübelin's table holds for: as far as air's from 1.
 GUBELIN_MARGIN = 1e-3
@@ -84,8 +97,14 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
 
      * - max_reflections
        - |int|
-       - Number of total reflections after which a ray counts as trapped. (Default: 1000)
+       - Number of reflections inside after which a ray counts as trapped. (Default: 1000)
        - |exposed|
+
+     * - follow
+       - |string|
+       - Which light is followed: ``principal``, or ``all``, where what the principal path's surface
+         reflects goes on, and a later exit is drawn. (Default: ``principal``)
+       -
 
     Follows each sensor ray into the stone by refraction, on by total reflection, and out where it first
     meets a surface below the critical angle: the ray is followed backwards, so this is where its light
@@ -97,6 +116,24 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
     - ``exit.x``, ``.y``, ``.z`` [scene units] and ``exit.dx``, ``.dy``, ``.dz`` (unit vector): where and in
       which direction the ray followed back leaves the stone,
     - ``entry.facet``, ``exit.facet`` (-1 for none), ``path.code``, a 24-bit code of the facet sequence.
+
+    With ``follow`` ``all``, the ray goes on from there with what that surface reflects. Wherever it meets a
+    surface below the critical angle again, it leaves with the probability T = 1 - R or goes on with R, the
+    reflectance of unpolarised light by Fresnel's equations, whatever ``fresnel`` says: one later exit of all
+    that there are. These AOVs come after the others:
+
+    - ``entry.nx``, ``.ny``, ``.nz``: the outward normal where the ray enters, and ``entry.cosine``,
+      ``exit.cosine``: of the angles in air at both crossings (0 for none),
+    - ``later.status`` (0 where there is no later exit, the others as above), ``later.reflections``, all that
+      there were inside, and ``later.partial``, the partial ones among them, at least 1,
+    - ``later.weight``, the product of the reflectances at these, and ``later.probability``, by which this
+      exit was chosen,
+    - ``later.x``, ``.y``, ``.z``, ``later.dx``, ``.dy``, ``.dz``, ``later.facet``, ``later.cosine``: as of
+      the exit.
+
+    What a sum over all later exits has is, on average, what this one has divided by ``later.probability``.
+    The colours remain those of the principal path. The sampler must be a random one: of ``stratified``
+    without ``jitter`` all pixels get the same number.
 
     The stone is a mesh in its own frame (table up, about the origin; round girdles of radius 1), convex or
     not, with facets and planes as face attributes; ``gemrender scene`` writes it, others are refused, and so
@@ -126,6 +163,7 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         self.rear = choice(props, "rear", REAR_RULES)
         self.ground = number(props, "ground", GROUND)
         self.intensity = choice(props, "intensity", INTENSITIES)
+        self.follow = choice(props, "follow", FOLLOW)
         self.int_ior = mi.Float64(number(props, "int_ior", GUBELIN_INDEX))
         self.ext_ior = mi.Float64(number(props, "ext_ior", 1.0))
         self.max_reflections = mi.UInt32(whole_number(props, "max_reflections", MOST_REFLECTIONS, least=1))
@@ -169,7 +207,7 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
 
     def aov_names(self) -> list[str]:
         """Return the names of the channels after the film's own."""
-        return list(AOV_NAMES)
+        return list(AOV_NAMES if self.follow == "principal" else PATH_NAMES + LATER_NAMES)
 
     def sample(
         self,
@@ -183,16 +221,26 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         hides = self.facet_check.hides(scene)
         with dr.suspend_grad():
             path = self._follow(scene, mi.Ray3f(ray), mi.Bool(active))
-            transmitted, aovs = self._measure(path)
+            transmitted, values = self._measure(scene, sampler, path)
             exited = path.status == int(RayStatus.EXITED)
-            light = self._light(scene, ray, path.point, path.direction, exited, hides)
-            return dr.select(exited, mi.Spectrum(mi.Float(transmitted)) * light, 0), path.hit, aovs
+            light = self._light(scene, ray, path.way.p, path.way.d, exited, hides)
+            light = dr.select(exited, mi.Spectrum(mi.Float(transmitted)) * light, 0)
+            return light, path.hit, [mi.Float(values[name]) for name in self.aov_names()]
 
-    def measure(self, scene: mi.Scene, ray: mi.RayDifferential3f) -> list[mi.Float]:
-        """Return the AOVs alone, which are the same whatever light there is."""
+    def measure(
+        self, scene: mi.Scene, ray: mi.RayDifferential3f, sampler: mi.Sampler | None = None
+    ) -> list[mi.Float]:
+        """Return the AOVs alone, which are the same whatever light there is; all light needs a sampler."""
+        values = self.trace(scene, ray, sampler)
+        return [mi.Float(values[name]) for name in self.aov_names()]
+
+    def trace(
+        self, scene: mi.Scene, ray: mi.RayDifferential3f, sampler: mi.Sampler | None = None
+    ) -> dict[str, mi.Float | mi.Float64 | mi.UInt32]:
+        """Return the AOVs by name and in full precision, those of the crossings in any case."""
         self.facet_check.hides(scene)
         with dr.suspend_grad():
-            return self._measure(self._follow(scene, mi.Ray3f(ray), mi.Bool(True)))[1]
+            return self._measure(scene, sampler, self._follow(scene, mi.Ray3f(ray), mi.Bool(True)))[1]
 
     def to_string(self) -> str:
         """Describe the integrator in Mitsuba's manner."""
@@ -257,49 +305,108 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
             status=status,
             reflections=reflections,
             entry_facet=entry.facet,
+            entry_normal=entry.normal,
             exit_facet=facet,
             code=code,
-            point=way.p,
-            direction=way.d,
+            way=way,
             eye_side=(cos_air_eye, cos_stone_eye),
             light_side=(cos_air, cos_stone),
             normal=normal,
         )
 
-    def _measure(self, path: _Path) -> tuple[mi.Float64, list[mi.Float]]:
-        """Return the share of the light that the path transmits, and the AOVs."""
+    @dr.syntax
+    def _follow_on(self, scene, sampler, path):  # type: ignore[no-untyped-def]  # dr.syntax reads the source
+        """Follow what is reflected where the principal path leaves, to one later exit."""
+        eta = self.int_ior / self.ext_ior
+
+        # ---- Reflection where the principal path leaves: it is certain ----
+
+        inside = path.status == int(RayStatus.EXITED)
+        (cos_air, cos_stone), n = path.light_side, path.normal
+        weight = reflectance(cos_air, cos_stone, eta)
+        probability = mi.Float64(1)
+        partial = mi.UInt32(1)
+        reflections = path.reflections + 1
+        d = (path.way.d - cos_air * n) / eta - cos_stone * n
+        way = set_out(path.way.p, dr.normalize(d), path.way.on_wall)
+        status = dr.select(inside, mi.UInt32(int(RayStatus.TRAPPED)), mi.UInt32(int(RayStatus.MISSED)))
+        any_later = mi.Bool(inside)
+        inside &= reflections <= self.max_reflections
+        facet = mi.Float(-1)
+        cos_out = mi.Float64(0)  # of the angle in air, where it leaves
+
+        # ---- From surface to surface, until it leaves by chance ----
+
+        while dr.hint(inside, label="gem_primary: all light"):
+            met = meet(scene, way, inside)
+            status[inside & ~met.found & ~met.again] = mi.UInt32(int(RayStatus.LOST))
+
+            d, n, cos_i = way.d, met.normal, met.cos
+            sin2 = dr.square(eta) * (1 - dr.square(cos_i))
+            parts = met.found & (sin2 < LEAST_TOTAL)
+            cos_t = dr.safe_sqrt(1 - sin2)
+            back = dr.select(parts, reflectance(cos_t, cos_i, eta), 1)
+            exits = parts & (mi.Float64(sampler.next_1d(parts)) >= back)
+            probability *= dr.select(exits, 1 - back, back)
+            status[exits] = mi.UInt32(int(RayStatus.EXITED))
+            facet = dr.select(exits, met.facet, facet)
+            cos_out = dr.select(exits, cos_t, cos_out)
+
+            reflects = met.found & ~exits
+            weight *= dr.select(reflects, back, 1)
+            partial[parts & ~exits] += 1
+            reflections[reflects] += 1
+            refracted = eta * (d - cos_i * n) + cos_t * n
+            d = dr.select(exits, refracted, dr.select(reflects, d - 2 * cos_i * n, d))
+            inside = (reflects & (reflections <= self.max_reflections)) | met.again
+            way = turn(way, met, d)
+
+        exited = status == int(RayStatus.EXITED)
+        p, d = dr.select(exited, way.p, 0), dr.select(exited, way.d, 0)
+        counts = (reflections, partial, weight, probability)
+        values = (status, *(dr.select(any_later, x, 0) for x in counts), *p, *d, facet, cos_out)
+        return dict(zip(LATER_NAMES, values, strict=True))
+
+    def _measure(
+        self, scene: mi.Scene, sampler: mi.Sampler | None, path: _Path
+    ) -> tuple[mi.Float64, dict[str, mi.Float | mi.Float64 | mi.UInt32]]:
+        """Return the share of the light that the principal path transmits, and the AOVs."""
         exited = path.status == int(RayStatus.EXITED)
-        p, d = path.point, path.direction
+        p, d = path.way.p, path.way.d
         chosen, most = self._rear_rule
         rear = exited & (dr.dot(chosen, mi.Vector3d(p.z, path.normal.z, d.z)) <= most)
         transmitted = self._transmittance(*path.eye_side) * self._transmittance(*path.light_side)
         intensity = LIGHT_LEVEL * transmitted
+        (air_eye, stone_eye), (air_light, stone_light) = path.eye_side, path.light_side
         if self.intensity == "primary":
             # S1/S2 at both crossings, as the light travels (the paper's section 2.2)
-            (air_eye, stone_eye), (air_light, stone_light) = path.eye_side, path.light_side
             intensity *= (air_light / stone_light) * (stone_eye / air_eye)
         p, d = dr.select(exited, p, 0), dr.select(exited, d, 0)
-        aovs = [
-            mi.Float(dr.select(exited & ~rear, intensity, 0)),
+        values = (
+            dr.select(exited & ~rear, intensity, 0),
             dr.select(rear, mi.Float(1), 0),
             dr.select(path.hit, mi.Float(1), 0),
-            mi.Float(path.status),
-            mi.Float(path.reflections),
-            *(mi.Float(x) for x in (p.x, p.y, p.z, d.x, d.y, d.z)),
+            path.status,
+            path.reflections,
+            *p,
+            *d,
             dr.select(path.hit, path.entry_facet, -1),
             path.exit_facet,
-            mi.Float(path.code),
-        ]
-        return transmitted, aovs
+            path.code,
+            *dr.select(path.hit, path.entry_normal, 0),
+            dr.select(path.hit, air_eye, 0),
+            dr.select(exited, air_light, 0),
+        )
+        out = dict(zip(PATH_NAMES, values, strict=True))
+        if self.follow == "all":
+            out |= self._follow_on(scene, sampler, path)
+        return transmitted, out
 
     def _transmittance(self, cos_air: mi.Float64, cos_stone: mi.Float64) -> mi.Float64:
         """Return the transmitted share at one crossing, from both of its angles."""
         eta = self.int_ior / self.ext_ior
         if self.fresnel == "exact":
-            # Born & Wolf, 7th ed., section 1.5.2, equations (21a)
-            r_s = (cos_air - eta * cos_stone) / (cos_air + eta * cos_stone)
-            r_p = (eta * cos_air - cos_stone) / (eta * cos_air + cos_stone)
-            return 1 - 0.5 * (dr.square(r_s) + dr.square(r_p))
+            return 1 - reflectance(cos_air, cos_stone, eta)
         angle = dr.rad2deg(dr.safe_acos(mi.Float(cos_air)))
         row = mi.UInt32(0)
         for k in range(1, len(GUBELIN_ANGLES_DEG) - 1):
@@ -339,10 +446,10 @@ class _Path:
     status: mi.UInt32
     reflections: mi.UInt32
     entry_facet: mi.Float
+    entry_normal: mi.Vector3d
     exit_facet: mi.Float
     code: mi.UInt32
-    point: mi.Point3d  # where the ray leaves the stone
-    direction: mi.Vector3d  # in which it leaves
+    way: Way  # where the ray leaves the stone, and in which direction
     eye_side: tuple[mi.Float64, mi.Float64]  # cosines of the angles in air and in the stone
     light_side: tuple[mi.Float64, mi.Float64]
     normal: mi.Vector3d  # where it leaves
