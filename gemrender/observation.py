@@ -400,3 +400,23 @@ MAP_CHANNELS: dict[str, tuple[str, ...]] = {
     "exit_facet": ("exit.facet",),
     "path_code": ("path.code",),
 }
+
+#: Further channels of paths where all light is followed: what the principal path's crossings are.
+CROSSING_CHANNELS: dict[str, tuple[str, ...]] = {
+    "entry_normal": ("entry.nx", "entry.ny", "entry.nz"),
+    "cos_entry": ("entry.cosine",),
+    "cos_exit": ("exit.cosine",),
+}
+
+#: And one later exit, drawn at random, of the light that is reflected there.
+LATER_CHANNELS: dict[str, tuple[str, ...]] = {
+    "status": ("later.status",),
+    "reflections": ("later.reflections",),
+    "partial_reflections": ("later.partial",),
+    "weight": ("later.weight",),
+    "probability": ("later.probability",),
+    "exit_point": ("later.x", "later.y", "later.z"),
+    "exit_direction": ("later.dx", "later.dy", "later.dz"),
+    "exit_facet": ("later.facet",),
+    "cos_exit": ("later.cosine",),
+}
