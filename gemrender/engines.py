@@ -294,9 +294,9 @@ def trace_paths(
         from gemrender.reference import paths as by_reference
 
         return by_reference(stone, view, model, follow=follow)
-    from gemrender.render.observe import paths as by_mitsuba
+    from gemrender.render.paths import trace_paths as by_mitsuba
 
-    return by_mitsuba(stone, view, model, variant=variant, seed=seed, follow=follow)
+    return by_mitsuba(stone, view, model, follow=follow, variant=variant, seed=seed, progress=progress)
 
 
 def check_head(head: float) -> float:
