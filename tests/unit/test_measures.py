@@ -101,6 +101,8 @@ def test_gemray_stops_at_nine_hits_and_at_a_thousandth():
     hits = by_hand(FLAT, reflections=[8, 9], exit_direction=towards(0.5))
     assert contributions(measure_named("gemray-iso"), hits)[:, 1] == pytest.approx([0.96**2, 0])
     assert contributions(measure_named("iso"), hits)[:, 1] == pytest.approx([0.96**2, 0.96**2])
+    ties = by_hand(FLAT, reflections=[8, 9], exit_direction=towards(EDGE))
+    assert contributions(measure_named("gemray-iso"), ties)[:, 3] == pytest.approx([0.96**2, 0])
 
 
 def test_gemray_of_the_table_is_a_mean_over_what_is_seen_through_it():
