@@ -64,7 +64,7 @@ def contributions(measure: Measure, light: Light) -> np.ndarray:
     ValueError
         The measure returns another shape.
     """
-    light = _light_of(measure, light)
+    light = light_of(measure, light)
     found = np.asarray(measure.contributions(light), dtype=np.float64)
     found = found[:, None] if found.ndim == 1 else found
     expected = (len(light), len(measure.channels or measure.keys))
@@ -73,7 +73,8 @@ def contributions(measure: Measure, light: Light) -> np.ndarray:
     return found
 
 
-def _light_of(measure: Measure, light: Light) -> Light:
+def light_of(measure: Measure, light: Light) -> Light:
+    """Return the light that a measure is given: all of it, or the principal paths."""
     return light.principal if measure.follow == "principal" else light
 
 
@@ -103,7 +104,7 @@ def evaluate(
     for light in lights:
         n_sets = 0 if light.paths.set_number is None else int(light.paths.set_number.max(initial=-1)) + 1
         by_set = np.pad(by_set, ((0, max(n_sets - len(by_set), 0)), (0, 0)))
-        parts = [(_light_of(measure, light), contributions(measure, light)) for measure in measures]
+        parts = [(light_of(measure, light), contributions(measure, light)) for measure in measures]
         parts.append((light.principal, light.principal.is_principal[:, None].astype(np.float64)))
         columns = [(of.paths, column) for of, part in parts for column in part.T]
         for k, (paths, column) in enumerate(columns):
@@ -114,7 +115,7 @@ def evaluate(
                 by_set[:, k] += np.bincount(paths.set_number, paths.area.real * column, len(by_set))
         if details and light.paths.set_number is None:
             for known, measure in zip(told, measures, strict=True):
-                known |= measure.details(_light_of(measure, light))
+                known |= measure.details(light_of(measure, light))
     return {
         measure.name: Evaluation(
             measure=measure,

@@ -71,8 +71,11 @@ def path_intensity(cos_entry: np.ndarray, cos_exit: np.ndarray, model: Model) ->
 
 
 def primary_intensity(paths: Paths, model: Model, rear: np.ndarray) -> np.ndarray:
-    """Return the intensity of each path, (n,), 0 to 1; 0 for rear light (n,) bool, and without an exit."""
-    lit = np.flatnonzero((paths.status == RayStatus.EXITED) & ~rear)
+    """Return the intensity of each principal path, (n,), 0 to 1.
+
+    It is 0 for rear light (n,) bool, without an exit, and of light that has been reflected in part.
+    """
+    lit = np.flatnonzero((paths.status == RayStatus.EXITED) & ~rear & (paths.partial_reflections == 0))
     out = np.zeros(len(paths), dtype=paths.cos_exit.dtype)
     out[lit] = path_intensity(paths.cos_entry[lit], paths.cos_exit[lit], model)
     return out
@@ -82,10 +85,9 @@ def sum_up(
     paths: Paths,
     rear: np.ndarray,
     intensity: np.ndarray,
-    sets: np.ndarray | None = None,
     n_sets: int = 1,
 ) -> np.ndarray:
-    """Sum up areas by what became of the light, each set of paths by itself.
+    """Sum up areas by what became of the principal light, each set of paths by itself.
 
     Parameters
     ----------
@@ -93,8 +95,8 @@ def sum_up(
         The paths.
     rear, intensity : (n,) bool, (n,) float64
         Which are rear light, and their intensity (0 to 1).
-    sets, n_sets : (n,) int64, int
-        The set that each belongs to, and how many there are; by default one.
+    n_sets : int
+        How many sets there are (`Paths.set_number`); without sets all paths are one.
 
     Returns
     -------
@@ -102,10 +104,10 @@ def sum_up(
         Areas [stone's unit^2], INTENSITY of area times intensity.
     """
     out = np.zeros((n_sets, N_SUMS))
-    sets = np.zeros(len(paths), dtype=np.int64) if sets is None else sets
+    sets = np.zeros(len(paths), dtype=np.int64) if paths.set_number is None else paths.set_number
     out[:, INTENSITY] = np.bincount(sets, paths.area * intensity, n_sets)
     column = _columns(paths, rear, intensity)
-    met = np.flatnonzero(paths.status != RayStatus.MISSED)
+    met = np.flatnonzero((paths.status != RayStatus.MISSED) & (paths.partial_reflections == 0))
     by_column = np.bincount(sets[met] * N_SUMS + column[met], paths.area[met], n_sets * N_SUMS)
     out += by_column.reshape(n_sets, N_SUMS)
     out[:, MET] = np.bincount(sets[met], paths.area[met], n_sets)

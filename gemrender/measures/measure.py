@@ -193,6 +193,8 @@ class Measure:
         Names of its values; `("value",)` where there is one.
     channels : tuple of str
         Names of what `contributions` yields, in order, which are those of its maps; by default `keys`.
+    unit : str
+        Unit of its values. Rays are followed until values in per cent are within the wanted bound.
     detail_keys : tuple of str
         Names of what `details` returns.
     follow : {"principal", "all"}
@@ -210,6 +212,7 @@ class Measure:
     source: str = ""
     keys: tuple[str, ...] = ("value",)
     channels: tuple[str, ...] = ()
+    unit: str = "%"
     detail_keys: tuple[str, ...] = ()
     follow: str = "all"
     is_axial: bool = False
