@@ -11,29 +11,36 @@ import os
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
 
 from gemrender.beam.budget import Budget
-from gemrender.beam.facets import FacetStatus, VirtualFacets, kernel_rules
-from gemrender.beam.rays import INSIDE, RAY, enter_rays, follow_rays, ray_paths
+from gemrender.beam.cells import Cells
+from gemrender.beam.facets import VirtualFacets
+from gemrender.beam.rays import Rays, empty_rays, enter_rays, follow_rays, ray_paths
 from gemrender.beam.rim import rim_points
 from gemrender.beam.solid import BeamStone
 from gemrender.beam.view_area import view_area
-from gemrender.measures import inoue
-from gemrender.measures.inoue import MET, N_SUMS
+from gemrender.measures.inoue import MET
+from gemrender.measures.tally import Tally
+from gemrender.observation import RayStatus
+from gemrender.paths import Paths
 
 __all__ = ["CELLS", "RIM", "SETS", "STUDENT_T", "NearGirdle"]
 
 #: Independent sets of rays; Student's t for their mean with 15 degrees of freedom, two-sided, 99.9 %. More
 #: sets have a smaller t, and fewer rays each: for the same rays 16 give the smallest bound.
 SETS, STUDENT_T = 16, 4.073
-#: The two regions that rays are spread over.
-CELLS, RIM = 0, 1
+#: The regions that rays are spread over: girdle cells of principal light, the rim, and, where all light is
+#: followed, cells of what has been reflected in part.
+CELLS, RIM, LATER = 0, 1, 2
 
 _PLASTIC = 1.3247179572447460
 _STEPS = np.array([1 / _PLASTIC, 1 / _PLASTIC**2])
+#: The golden ratio as a fraction of 2^64: multiples of it are far apart.
+_ODD = np.uint64(0x9E3779B97F4A7C15)
 #: A share of the view that is small, and the fewest rays of a set.
 _SMALL, _FEWEST = 2e-3, 8
 #: Rays of a set that are traced at a time, between two reports of progress.
@@ -52,62 +59,65 @@ class NearGirdle:
     facets : VirtualFacets
         Its polygons.
     seed : int
-        Seed of the shifts of the sets.
+        Seed of the shifts of the sets, and of the rays' random numbers.
+    tally : Tally, optional
+        What is summed up over paths; by default what the paper's score takes.
 
     Attributes
     ----------
-    sums : (SETS, 2, N_SUMS) float64
-        What each set has found in the girdle cells and on the rim; areas [girdle radius^2].
+    sums : (SETS, 2 or 3, n_sums) float64
+        What each set has found in each region; areas [girdle radius^2].
     rays : int
         Rays followed so far.
     stopped : bool
         Whether there was no time for the rays that were asked for.
     view_area : float
         Area of the traced part of the view [girdle radius^2].
-    cell_area : float
-        Area of the girdle cells [girdle radius^2].
-    rim_area : float
-        Area of the rim [girdle radius^2].
+    areas : tuple of float
+        Area of each region; of later light, times its weight [girdle radius^2].
     """
 
-    def __init__(self, convex: BeamStone, facets: VirtualFacets, seed: int) -> None:
-        self._convex, self._model, self._rules = convex, facets.model, kernel_rules(facets.model)
-        self._shifts = np.random.default_rng(seed).random((SETS, 2, 2))
-        self.stopped = False
-        self.sums, self.rays, self._done = np.zeros((SETS, 2, N_SUMS)), 0, [0, 0]
-        self._seconds = [0.0, 0.0]
-        cells = _Cells(facets)
-        self._regions: tuple[_Region, _Region] = (cells, _Rim(convex, facets))
-        self.cell_area = cells.area
-        seen = float(facets.area.sum())
+    def __init__(
+        self, convex: BeamStone, facets: VirtualFacets, seed: int, tally: Tally | None = None
+    ) -> None:
+        self._convex, self._model = convex, facets.model
+        self._tally = tally or Tally(facets.view, facets.model)
+        self._follows_all = facets.unfolding is not None
+        self._random = np.random.default_rng(seed)
+        shifts = [self._random.random((SETS, n, 2)) for n in (2, 1)]  # the first two whatever is followed
+        self._shifts = np.concatenate(shifts, axis=1)
+        cells = Cells(facets, of_principal=True)
+        self._regions: list[_Region] = [cells, _Rim(convex, facets)]
+        seen = float(facets.area @ (facets.paths.partial_reflections == 0))
         is_round = facets.stone.is_round  # else polygons tell all of the view
         self.view_area = view_area(convex, facets.view) / facets.parts if is_round else seen
-        self.rim_area = max(self.view_area - seen, 0.0)
+        self.areas: tuple[float, ...] = (cells.area, max(self.view_area - seen, 0.0))
+        if self._follows_all:
+            later = Cells(facets, of_principal=False)
+            self._regions.append(later)
+            self.areas += (later.area,)
+        n = len(self._regions)
+        self.sums, self.rays, self.stopped = np.zeros((SETS, n, self._tally.n_sums)), 0, False
+        self._done, self._seconds = [0] * n, [0.0] * n
 
-    def numbers(self, rays: int) -> tuple[int, int]:
-        """Share out a set's rays between the girdle cells and the rim, by their areas.
+    def numbers(self, rays: int) -> tuple[int, ...]:
+        """Share out a set's rays between the regions, by their areas.
 
-        Where both together are but a small part of the view, less than all of them are enough.
+        Where all together are but a small part of the view, less than all of them are enough.
         """
-        whole = self.cell_area + self.rim_area + _SMALL * self.view_area
-        cells, rim = (
-            max(_FEWEST, round(rays * area / whole)) if area > 0 else 0
-            for area in (self.cell_area, self.rim_area)
-        )
-        return cells, rim
+        whole = sum(self.areas) + _SMALL * self.view_area
+        return tuple(max(_FEWEST, round(rays * area / whole)) if area > 0 else 0 for area in self.areas)
 
     def go_on(
         self,
-        numbers: tuple[int, int],
+        numbers: tuple[int, ...],
         progress: Callable[[float], None] | None = None,
         budget: Budget | None = None,
     ) -> None:
-        """Go on until each set has so many rays in the girdle cells and on the rim, or time is up."""
+        """Go on until each set has so many rays in each region, or time is up."""
         for k, region in enumerate(self._regions):
             done = self._done[k]
-            if (self.cell_area, self.rim_area)[k] == 0 or done >= numbers[
-                k
-            ]:  # nowhere to put them, or enough
+            if self.areas[k] == 0 or done >= numbers[k]:  # nowhere to put them, or enough
                 continue
             total = self.sums[:, k] * done
             while done < numbers[k]:
@@ -133,84 +143,66 @@ class NearGirdle:
         return more if more >= _FEWEST else 0
 
     def _trace(self, region: _Region, unit: np.ndarray) -> np.ndarray:
-        """Follow the rays of all sets through points of the unit square (SETS, n, 2); (SETS, N_SUMS)."""
-        solid, facet, rules = self._convex.solid, self._convex.facet, self._rules
+        """Follow the rays of all sets through points of the unit square (SETS, n, 2); (SETS, n_sums)."""
+        sets, n, _ = unit.shape
+        random = self._states(sets, n)
 
-        def some_sets(part: np.ndarray) -> np.ndarray:
-            n = part.shape[1]
-            rays, weights, of = region.rays(part.reshape(-1, 2))
-            follow_rays(solid, facet, rules.refractive_index, rules.max_reflections, rays)
-            paths = ray_paths(rays, facet, weights / n, self._convex.stone)
-            rear = inoue.rear_mask(paths, self._model)
-            intensity = inoue.primary_intensity(paths, self._model, rear)
-            return inoue.sum_up(paths, rear, intensity, of // n, len(part))
+        def some_sets(part: slice) -> np.ndarray:
+            return self._tally.sum_up(self._paths(region, unit[part], random[part]), len(unit[part]))
 
-        self.rays += unit.shape[0] * unit.shape[1]
-        if unit.shape[0] * unit.shape[1] < _THREAD_RAYS:
-            return some_sets(unit)
+        self.rays += sets * n
+        if sets * n < _THREAD_RAYS:
+            return some_sets(slice(None))
+        bounds = np.linspace(0, sets, min(2 * (os.cpu_count() or 1), sets) + 1).astype(int)
         with ThreadPoolExecutor(os.cpu_count()) as pool:
-            return np.concatenate(list(pool.map(some_sets, np.array_split(unit, 2 * (os.cpu_count() or 1)))))
+            return np.concatenate(list(pool.map(some_sets, map(slice, bounds[:-1], bounds[1:]))))
+
+    def _states(self, sets: int, n: int) -> np.ndarray:
+        """Return states of random numbers, (sets, n) uint64; (sets, 0) for principal light."""
+        shape = (sets, n if self._follows_all else 0)
+        return self._random.integers(1, 1 << 63, shape, dtype=np.uint64)
+
+    def _paths(self, region: _Region, unit: np.ndarray, random: np.ndarray) -> Paths:
+        """Follow rays through points of the unit square (sets, n, 2); return their paths."""
+        convex, n = self._convex, unit.shape[1]
+        rays, areas, of = region.rays(unit.reshape(-1, 2), random.reshape(-1))
+        follow_rays(convex.solid, convex.facet, self._model.index, self._model.max_reflections, rays)
+        return ray_paths(rays, convex.facet, areas / n, convex.stone, of // n)
+
+    def paths(self) -> list[Paths]:
+        """Return paths of as many rays as have been followed: areas of all sets together make the regions."""
+        out = []
+        for k, region in enumerate(self._regions):
+            n = self._done[k]
+            if n == 0:
+                continue
+            unit = (self._shifts[:, k, None] + np.arange(1, n + 1)[:, None] * _STEPS) % 1.0
+            paths = self._paths(region, unit, self._states(SETS, n))
+            assert paths.set_number is not None
+            share = np.full(SETS, 1.0 / SETS)
+            if k == RIM:  # as `found` has it
+                met = paths.area * ((paths.status != RayStatus.MISSED) & (paths.partial_reflections == 0))
+                share = share * self.areas[RIM] / np.maximum(np.bincount(paths.set_number, met, SETS), 1e-300)
+            out.append(replace(paths, area=paths.area * share[paths.set_number]))
+        return out
 
     def found(self) -> np.ndarray:
-        """Return what each set has found in both regions together, (SETS, N_SUMS) [girdle radius^2].
+        """Return what each set has found in all regions together, (SETS, n_sums) [girdle radius^2].
 
         What the rays have found on the rim is made to cover just its area.
         """
-        rim = self.sums[:, RIM]
-        met = rim[:, MET:]
-        return np.asarray(self.sums[:, CELLS] + rim * (self.rim_area / np.where(met > 0, met, 1.0)))
+        factor = np.ones((SETS, len(self._regions), 1))
+        met = self.sums[:, RIM, MET]
+        factor[:, RIM, 0] = self.areas[RIM] / np.where(met > 0, met, 1.0)
+        return np.asarray((self.sums * factor).sum(axis=1))
 
 
 class _Region(Protocol):
     """A part of the view that rays can be spread over."""
 
-    def rays(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Spread rays over it by points of the unit square (n, 2).
-
-        Returns
-        -------
-        rays : (m,) array of `rays.RAY`
-            Rays inside the stone.
-        weights : (m,) float64
-            What each counts, if there were but one point in the unit square.
-        of : (m,) int64
-            The point of the unit square that each was made from.
-        """
+    def rays(self, unit: np.ndarray, random: np.ndarray) -> tuple[Rays, np.ndarray, np.ndarray]:
+        """Spread rays over it (`Cells.rays`)."""
         ...
-
-
-class _Cells:
-    """The girdle cells, as triangles one after the other; their rays go on where the polygons end."""
-
-    def __init__(self, facets: VirtualFacets) -> None:
-        self._facets = facets
-        cells = np.flatnonzero(facets.status == FacetStatus.GIRDLE)
-        first, number = facets.starts[cells], (facets.ends - facets.starts)[cells] - 2
-        self._cell = np.repeat(cells, number)
-        # Of each cell a fan of triangles about its first corner.
-        apex = np.repeat(first, number)
-        second = apex + 1 + np.arange(len(apex)) - np.repeat(np.cumsum(number) - number, number)
-        self._triangles = facets.corners[np.stack([apex, second, second + 1], axis=1)]
-        a, b = (self._triangles[:, k] - self._triangles[:, 0] for k in (1, 2))
-        self._upto = np.cumsum(0.5 * np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]))
-        self.area = float(self._upto[-1]) if len(self._upto) else 0.0
-
-    def rays(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        x = unit[:, 0] * self.area
-        k = np.minimum(np.searchsorted(self._upto, x, side="right"), len(self._upto) - 1)
-        below = np.where(k > 0, self._upto[k - 1], 0.0)
-        across = np.sqrt(np.clip((x - below) / (self._upto[k] - below), 0.0, 1.0))[:, None]
-        along = unit[:, 1:]
-        a, b, c = self._triangles[k].transpose(1, 0, 2)
-        places = (1 - across) * a + across * ((1 - along) * b + along * c)
-        cell, paths = self._cell[k], self._facets.paths
-        by_place = self._facets.exit_map[cell]
-        rays = np.zeros(len(x), RAY)
-        rays["status"], rays["exit"] = INSIDE, -1
-        rays["reflections"], rays["entry"] = paths.reflections[cell], paths.entry_facet[cell]
-        rays["cos_entry"], rays["direction"] = paths.cos_entry[cell], paths.exit_direction[cell]
-        rays["point"] = by_place[:, 0] + places[:, :1] * by_place[:, 1] + places[:, 1:] * by_place[:, 2]
-        return rays, np.full(len(x), self.area), np.arange(len(x))
 
 
 class _Rim:
@@ -226,12 +218,16 @@ class _Rim:
             self._azimuth = 0.5 * (first + last) + 0.05
             self._low, self._high = np.sin(first - self._azimuth), np.sin(last - self._azimuth)
 
-    def rays(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def rays(self, unit: np.ndarray, random: np.ndarray) -> tuple[Rays, np.ndarray, np.ndarray]:
+        """Spread rays over it: one into each gap of a line for each point of the unit square."""
         facets, across = self._facets, self._low + (self._high - self._low) * unit[:, 0]
         places, lengths, lines = rim_points(
             facets.covered, facets.covered_ends, facets.wedge, self._reach, self._azimuth, across, unit[:, 1]
         )
-        rays = np.zeros(len(places), RAY)
+        if len(random):  # the gaps of a line are alike but for their number
+            nth = np.arange(len(lines)) - np.searchsorted(lines, lines)
+            random = (random[lines] + nth.astype(np.uint64) * _ODD) | np.uint64(1)
+        rays = empty_rays(len(places), random)
         enter_rays(
             places, facets.view.basis(), self._convex.solid, self._convex.facet, facets.model.index, rays
         )  # fmt: skip
