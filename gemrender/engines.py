@@ -9,6 +9,8 @@ from gemrender.errors import BackendError, InputError
 from gemrender.request import DEFAULT_RESOLUTION, ShortForms, resolve
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from gemrender.measures.measure import Measure
     from gemrender.observation import Measurement, Model, Observation, View
     from gemrender.paths import Paths
@@ -206,6 +208,7 @@ def measure(
     model: Model | None = None,
     measures: Sequence[Measure] = (),
     head: float = DEFAULT_HEAD,
+    zenith: np.ndarray | None = None,
     variant: str = DEFAULT_VARIANT,
     bound: float = DEFAULT_BOUND,
     seed: int = 1,
@@ -224,6 +227,8 @@ def measure(
         What to measure besides the paper's score.
     head : float
         Half the angle at which the viewer's head is seen from the stone, 0 to below 90 [deg].
+    zenith : (3,) float64, optional
+        The viewer's zenith, in the stone's frame; by default the direction to the eye.
 
     Returns
     -------
@@ -238,8 +243,8 @@ def measure(
     from gemrender.beam import measure as by_beams
 
     measured = by_beams(
-        stone, view=view, model=model, measures=measures, head_deg=check_head(head), bound=bound, seed=seed,
-        progress=progress, budget=Budget(time_limit, memory_limit),
+        stone, view=view, model=model, measures=measures, head_deg=check_head(head), zenith=zenith,
+        bound=bound, seed=seed, progress=progress, budget=Budget(time_limit, memory_limit),
     )  # fmt: skip
     return measured, view, model
 

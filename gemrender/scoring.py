@@ -30,6 +30,7 @@ __all__ = [
     "Band",
     "FacetSizes",
     "Score",
+    "chosen_or_none",
     "score",
     "score_measurement",
     "score_observation",
@@ -253,18 +254,24 @@ def score(
     InputError, BackendError
         As for `observe`; a measure that there is not, or that the engine cannot tell.
     """
-    chosen = None
-    if measures is not None:
-        from gemrender.measures import chosen_measures
-
-        chosen = chosen_measures(measures)
+    chosen = chosen_or_none(measures)
     check_head(head)
     if engine_for(engine, stone) != "exact":
         found = score_observation(observe(stone, engine=engine, **options))
         return found if chosen is None else _with_measures(found, stone, engine, chosen, head, options)
     measured, view, model = measure(stone, measures=chosen or (), head=head, **options)
-    found = score_measurement(measured, stone, view, model)
-    return found if chosen is None else replace(found, measures=measured.measures)
+    return score_measurement(measured, stone, view, model, with_measures=chosen is not None)
+
+
+def chosen_or_none(
+    measures: str | Measure | Iterable[str | Measure] | None,
+) -> tuple[Measure, ...] | None:
+    """Return the measures that were asked for, if any were; errors as of `chosen_measures`."""
+    if measures is None:
+        return None
+    from gemrender.measures import chosen_measures
+
+    return chosen_measures(measures)
 
 
 def _with_measures(
@@ -331,7 +338,13 @@ def _request(view: View, model: Model) -> dict[str, Any]:
 
 
 def score_measurement(
-    measured: Measurement, stone: Stone, view: View, model: Model, *, seconds: float | None = None
+    measured: Measurement,
+    stone: Stone,
+    view: View,
+    model: Model,
+    *,
+    seconds: float | None = None,
+    with_measures: bool = False,
 ) -> Score:
     """Return a measurement as a score; its time [s] is that of the measurement, or another one."""
     return Score(
@@ -349,6 +362,7 @@ def score_measurement(
         facets=_facet_sizes(measured),
         assumed=stone.assumed,
         notes=measured.notes,
+        measures=measured.measures if with_measures else None,
         **_request(view, model),
     )
 

@@ -53,6 +53,7 @@ def measure(
     model: Model | None = None,
     measures: Sequence[Measure] = (),
     head_deg: float = HEAD_DEG,
+    zenith: np.ndarray | None = None,
     bound: float = 0.05,
     seed: int = 1,
     progress: Callable[[float], None] | None = None,
@@ -72,6 +73,8 @@ def measure(
         What to measure besides the paper's score.
     head_deg : float
         Half the angle at which the viewer's head is seen from the stone [deg].
+    zenith : (3,) float64, optional
+        The viewer's zenith (`Light`); by default the direction to the eye.
     bound : float
         Wanted error bound of every score [%].
     seed : int
@@ -88,8 +91,8 @@ def measure(
         The stone is not convex, or the bound out of range.
     """
     return measure_facets(
-        stone, view=view, model=model, measures=measures, head_deg=head_deg, bound=bound, seed=seed,
-        progress=progress, budget=budget,
+        stone, view=view, model=model, measures=measures, head_deg=head_deg, zenith=zenith, bound=bound,
+        seed=seed, progress=progress, budget=budget,
     )[0]  # fmt: skip
 
 
@@ -104,6 +107,7 @@ def measure_facets(
     budget: Budget | None,
     measures: Sequence[Measure] = (),
     head_deg: float = HEAD_DEG,
+    zenith: np.ndarray | None = None,
 ) -> tuple[Measurement, VirtualFacets]:
     """Score a stone as `measure` does; return its virtual facets too, of a symmetric one those of a part."""
     start = time.perf_counter()
@@ -112,7 +116,7 @@ def measure_facets(
     model = model or Model.of(convex.stone)
     over_views = [of for of in measures if of.views == "hemisphere"]
     of_one = [of for of in measures if of not in over_views]
-    tally = Tally(view or View(resolution=1), model, of_one, head_deg)
+    tally = Tally(view or View(resolution=1), model, of_one, head_deg, zenith)
     facets = trace_facets(
         convex, view=tally.view, model=tally.model, whole=not tally.is_axial,
         least=_LEAST if tally.follows_all else 0.0, budget=budget,
