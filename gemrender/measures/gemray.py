@@ -40,7 +40,9 @@ class GemRay(SkyMeasure):
         internal, surface, tied = sky_light(light, self.sky)
         internal = np.where(is_counted, internal, 0.0)
         together = internal + surface
-        is_table = (paths.stone.facet_normals[:, 2] > TABLE_RISE)[paths.entry_facet]
+        rises = paths.stone.facet_normals[:, 2] > TABLE_RISE
+        # A girdle that is not plane is a facet without a normal, and after all others.
+        is_table = np.append(rises, False)[np.minimum(paths.entry_facet, len(rises))]
         table = np.where(is_table, together, 0.0)
         return in_columns(together, internal, surface, tied, table, is_table & light.is_principal)
 
