@@ -74,7 +74,7 @@ class NearGirdle:
     view_area : float
         Area of the traced part of the view [girdle radius^2].
     areas : tuple of float
-        Area of each region; of later light, times its weight [girdle radius^2].
+        Area of each region; of later light (`Cells.area`), times its share of the light [girdle radius^2].
     """
 
     def __init__(
