@@ -10,6 +10,7 @@ import numpy as np
 
 from gemrender.beam.budget import Budget
 from gemrender.beam.facets import FacetStatus, VirtualFacets, trace_facets
+from gemrender.beam.hemisphere import measure_hemisphere
 from gemrender.beam.near_girdle import SETS, STUDENT_T, NearGirdle
 from gemrender.beam.solid import BeamStone, beam_stone
 from gemrender.errors import InputError
@@ -108,7 +109,10 @@ def measure_facets(
     start = time.perf_counter()
     wanted = check_bound(bound)
     convex = stone if isinstance(stone, BeamStone) else beam_stone(stone)
-    tally = Tally(view or View(resolution=1), model or Model.of(convex.stone), measures, head_deg)
+    model = model or Model.of(convex.stone)
+    over_views = [of for of in measures if of.views == "hemisphere"]
+    of_one = [of for of in measures if of not in over_views]
+    tally = Tally(view or View(resolution=1), model, of_one, head_deg)
     facets = trace_facets(
         convex, view=tally.view, model=tally.model, whole=not tally.is_axial,
         least=_LEAST if tally.follows_all else 0.0, budget=budget,
@@ -119,6 +123,12 @@ def measure_facets(
     reached = found.scatter + found.unsolved
     missed = _missed(reached, wanted, found.unsolved, budget if near.stopped else None)
     images, area = facets.images(), found.area
+    values = {of.name: of for of in found.measures(facets)}
+    if over_views:
+        more = measure_hemisphere(
+            convex, model, over_views, bound=wanted, seed=seed, progress=progress, budget=budget
+        )
+        values |= {of.name: of for of in more}
     counted, scores = facets.is_counted, found.scores
     measured = Measurement(
         average=float(scores[INTENSITY]),
@@ -133,7 +143,7 @@ def measure_facets(
         girdle=100.0 * (1.0 - resolved[MET] / area),
         seconds=time.perf_counter() - start,
         notes=(*_left_over(facets), *missed),
-        measures=found.measures(facets),
+        measures=tuple(values[of.name] for of in measures),
     )
     return measured, facets
 

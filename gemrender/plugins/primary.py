@@ -247,7 +247,7 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         return (
             f"PrimaryIntegrator[\n  int_ior = {self.int_ior[0]:g},\n  ext_ior = {self.ext_ior[0]:g},\n"
             f"  fresnel = {self.fresnel},\n  rear = {self.rear},\n  intensity = {self.intensity},\n"
-            f"  max_reflections = {self.max_reflections[0]}\n]"
+            f"  max_reflections = {self.max_reflections[0]},\n  follow = {self.follow}\n]"
         )
 
     @dr.syntax
