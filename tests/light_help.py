@@ -37,7 +37,7 @@ def light_of(
 
 def values(light: Light, chosen: tuple[Any, ...] = OF_A_VIEW) -> dict[str, dict[str, Any]]:
     """Return the values of measures by name."""
-    return {name: found.values for name, found in evaluate([light], chosen).items()}
+    return evaluate([light], chosen)
 
 
 def by_hand(

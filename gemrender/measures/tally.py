@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from gemrender.measures import inoue
-from gemrender.measures.evaluate import contributions, light_of
+from gemrender.measures.evaluate import area_sums, contributions, light_of
 from gemrender.measures.measure import HEAD_DEG, Light, Measure
 from gemrender.observation import Model, RayStatus, View
 from gemrender.paths import Paths
@@ -99,10 +99,9 @@ class Tally:
 
 def _sums(paths: Paths, added: np.ndarray, n_sets: int) -> np.ndarray:
     """Sum up what each path adds per unit of its area, (n, k); (n_sets, k)."""
+    if paths.set_number is None:
+        return np.broadcast_to(area_sums(paths, added), (n_sets, added.shape[1]))
     out = np.empty((n_sets, added.shape[1]))
     for k, column in enumerate(added.T):
-        if paths.set_number is None:  # by einsum: BLAS would start threads for each
-            out[:, k] = np.einsum("i,i->", paths.area, column)
-        else:
-            out[:, k] = np.bincount(paths.set_number, paths.area * column, n_sets)
+        out[:, k] = np.bincount(paths.set_number, paths.area * column, n_sets)
     return out
