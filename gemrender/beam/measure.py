@@ -179,7 +179,7 @@ def _settle(
     rays = _FIRST_RAYS
     while True:
         near.go_on(near.numbers(rays), progress, budget)
-        found = _Found(tally, resolved + near.found())
+        found = _Found(tally, resolved + near.found(), near.unseen)
         # No ray more makes less light trapped.
         allowed = max(wanted - found.unsolved, 0.5 * wanted)
         if found.scatter <= allowed or rays >= _MOST_RAYS or near.stopped:
@@ -198,17 +198,23 @@ class _Found:
         What was summed up.
     sums : (SETS, n_sums) float64
         What each set has found together with the polygons [girdle radius^2].
+    unseen : (float, float)
+        Areas of the view, of principal and of all light, that all rays may have missed [girdle radius^2].
     """
 
-    def __init__(self, tally: Tally, sums: np.ndarray) -> None:
+    def __init__(self, tally: Tally, sums: np.ndarray, unseen: tuple[float, float]) -> None:
         self._tally, self._mean = tally, sums.mean(axis=0)
         self.area = float(self._mean[MET])
         each = 100.0 * sums / sums[:, [MET]]
         self.scores = each.mean(axis=0)
         trapped = float(self.scores[TRAPPED] + self.scores[LOST])
-        scatter = float(_scatter(each[:, :MET]).max())
+        scatter = float(np.hypot(_scatter(each[:, :MET]).max(), 100.0 * unseen[0] / self.area))
         self.bound = scatter + trapped
-        self._errors = [_scatter(values) for values in tally.values(sums)]
+        areas = [unseen[of.follow == "all"] for of in tally.measures]
+        self._errors = [
+            np.hypot(_scatter(values), missed)
+            for values, missed in zip(tally.values(sums), tally.changes(self._mean, areas), strict=True)
+        ]
         self.unsolved = trapped + (float(self.scores[REST]) if tally.follows_all else 0.0)
         steering = [errors for errors, of in zip(self._errors, tally.measures, strict=True) if of.unit == "%"]
         self.scatter = float(max([scatter, *(np.nanmax(errors, initial=0.0) for errors in steering)]))

@@ -41,6 +41,9 @@ _PLASTIC = 1.3247179572447460
 _STEPS = np.array([1 / _PLASTIC, 1 / _PLASTIC**2])
 #: The golden ratio as a fraction of 2^64: multiples of it are far apart.
 _ODD = np.uint64(0x9E3779B97F4A7C15)
+#: What of one ray's share light can be that no ray has met, with the probability 1 - 0.999 (two-sided): of n
+#: rays none meets a share p with (1 - p)^n, so p is below -ln(0.0005)/n.
+_UNSEEN = 7.6
 #: A share of the view that is small, and the fewest rays of a set.
 _SMALL, _FEWEST = 2e-3, 8
 #: Rays of a set that are traced at a time, between two reports of progress.
@@ -103,10 +106,28 @@ class NearGirdle:
     def numbers(self, rays: int) -> tuple[int, ...]:
         """Share out a set's rays between the regions, by their areas.
 
-        Where all together are but a small part of the view, less than all of them are enough.
+        Of the rim, whose rays stand for very different areas, by their root mean square as far as it is
+        known (Neyman 1934). Where all together are but a small part of the view, less than all of them are
+        enough.
         """
-        whole = sum(self.areas) + _SMALL * self.view_area
-        return tuple(max(_FEWEST, round(rays * area / whole)) if area > 0 else 0 for area in self.areas)
+        weights = [max(area, of.deviation) for area, of in zip(self.areas, self._regions, strict=True)]
+        whole = sum(weights) + _SMALL * self.view_area
+        return tuple(
+            max(_FEWEST, round(rays * weight / whole)) if area > 0 else 0
+            for weight, area in zip(weights, self.areas, strict=True)
+        )
+
+    @property
+    def unseen(self) -> tuple[float, float]:
+        """Areas of the view, of principal and of all light, that all rays may have missed [girdle radius^2].
+
+        What so few rays meet that all sets may agree by chance, their scatter does not tell.
+        """
+        each = [
+            _UNSEEN * of.largest / (SETS * done) if done else 0.0
+            for of, done in zip(self._regions, self._done, strict=True)
+        ]
+        return max(each[:LATER]), max(each)
 
     def go_on(
         self,
@@ -176,23 +197,26 @@ class NearGirdle:
                 continue
             unit = (self._shifts[:, k, None] + np.arange(1, n + 1)[:, None] * _STEPS) % 1.0
             paths = self._paths(region, unit, self._states(SETS, n))
-            assert paths.set_number is not None
-            share = np.full(SETS, 1.0 / SETS)
+            share = 1.0 / SETS
             if k == RIM:  # as `found` has it
-                met = paths.area * ((paths.status != RayStatus.MISSED) & (paths.partial_reflections == 0))
-                share = share * self.areas[RIM] / np.maximum(np.bincount(paths.set_number, met, SETS), 1e-300)
-            out.append(replace(paths, area=paths.area * share[paths.set_number]))
+                met = (paths.status != RayStatus.MISSED) & (paths.partial_reflections == 0)
+                share = self.areas[RIM] / max(float(paths.area @ met), 1e-300)
+            out.append(replace(paths, area=paths.area * share))
         return out
 
     def found(self) -> np.ndarray:
         """Return what each set has found in all regions together, (SETS, n_sums) [girdle radius^2].
 
-        What the rays have found on the rim is made to cover just its area.
+        The rim's area is known, and what it is met by is a control variate: where a set has met more of it
+        than there is, it has found too much of everything. (A ratio for each set by itself would be biased:
+        its rays are few.) All sets together make just the area.
         """
-        factor = np.ones((SETS, len(self._regions), 1))
-        met = self.sums[:, RIM, MET]
-        factor[:, RIM, 0] = self.areas[RIM] / np.where(met > 0, met, 1.0)
-        return np.asarray((self.sums * factor).sum(axis=1))
+        out = self.sums.sum(axis=1)
+        rim = self.sums[:, RIM]
+        mean = rim.mean(axis=0)
+        if mean[MET] > 0:
+            out += (self.areas[RIM] - rim[:, [MET]]) * (mean / mean[MET])
+        return np.asarray(out)
 
 
 def by_sets(work: Callable[[slice], np.ndarray], sets: int) -> np.ndarray:
@@ -203,7 +227,20 @@ def by_sets(work: Callable[[slice], np.ndarray], sets: int) -> np.ndarray:
 
 
 class _Region(Protocol):
-    """A part of the view that rays can be spread over."""
+    """A part of the view that rays can be spread over.
+
+    Attributes
+    ----------
+    largest, deviation : float
+        Were there but one point in the unit square: the largest area that it has stood for, and the root mean
+        square of all; in shares of the light at the eye [girdle radius^2].
+    """
+
+    @property
+    def largest(self) -> float: ...
+
+    @property
+    def deviation(self) -> float: ...
 
     def rays(self, unit: np.ndarray, random: np.ndarray) -> tuple[Rays, np.ndarray, np.ndarray]:
         """Spread rays over it (`Cells.rays`)."""
@@ -222,6 +259,16 @@ class _Rim:
             first, last = facets.stone.symmetry.mirrors[:2]
             self._azimuth = 0.5 * (first + last) + 0.05
             self._low, self._high = np.sin(first - self._azimuth), np.sin(last - self._azimuth)
+        self._told: list[tuple[int, float, float]] = []  # lines, the largest area, and the sum of squares
+
+    @property
+    def largest(self) -> float:
+        return max((largest for _, largest, _ in self._told), default=0.0)
+
+    @property
+    def deviation(self) -> float:
+        lines, squares = (sum(column) for column in list(zip(*self._told, strict=True))[::2] or [[], []])
+        return float(np.sqrt(squares / max(lines, 1)))
 
     def rays(self, unit: np.ndarray, random: np.ndarray) -> tuple[Rays, np.ndarray, np.ndarray]:
         """Spread rays over it: one into each gap of a line for each point of the unit square."""
@@ -229,6 +276,9 @@ class _Rim:
         places, lengths, lines = rim_points(
             facets.covered, facets.covered_ends, facets.wedge, self._reach, self._azimuth, across, unit[:, 1]
         )
+        areas = lengths * (self._high - self._low)
+        of_lines = np.bincount(lines, areas, len(unit))
+        self._told.append((len(unit), float(of_lines.max()), float(of_lines @ of_lines)))
         if len(random):  # the gaps of a line are alike but for their number
             nth = np.arange(len(lines)) - np.searchsorted(lines, lines)
             random = (random[lines] + nth.astype(np.uint64) * _ODD) | np.uint64(1)
@@ -236,4 +286,4 @@ class _Rim:
         enter_rays(
             places, facets.view.basis(), self._convex.solid, self._convex.facet, facets.model.index, rays
         )  # fmt: skip
-        return rays, lengths * (self._high - self._low), lines
+        return rays, areas, lines

@@ -96,6 +96,19 @@ class Tally:
             for measure, columns in zip(self.measures, self._columns, strict=True)
         ]
 
+    def changes(self, sums: np.ndarray, areas: Sequence[float]) -> list[np.ndarray]:
+        """Return how much the values of each measure change with an area more in one channel, (len(keys),).
+
+        It is the largest change among the channels; the sums are (n_sums,), the areas those of each measure.
+        """
+        out = []
+        for measure, columns, area in zip(self.measures, self._columns, areas, strict=True):
+            of = sums[columns]
+            more = measure.values(of + area * np.eye(len(of)), np.full(len(of), sums[inoue.MET]))
+            change = np.abs(more - measure.values(of, sums[inoue.MET]))
+            out.append(change.max(axis=0, initial=0.0))
+        return out
+
 
 def _sums(paths: Paths, added: np.ndarray, n_sets: int) -> np.ndarray:
     """Sum up what each path adds per unit of its area, (n, k); (n_sets, k)."""
