@@ -40,14 +40,8 @@ class GemRay(SkyMeasure):
         internal, surface, tied, tied_surface = sky_light(light, self.sky)
         internal, tied = is_counted * internal, is_counted * tied + tied_surface
         together = internal + surface
-<<<<<<< HEAD
         # A round girdle has no normal of its own; it is the last facet, and no table.
         is_table = np.append(paths.stone.facet_normals[:, 2] > TABLE_RISE, False)[paths.entry_facet]
-=======
-        rises = paths.stone.facet_normals[:, 2] > TABLE_RISE
-        # A girdle that is not plane is a facet without a normal, and after all others.
-        is_table = np.append(rises, False)[np.minimum(paths.entry_facet, len(rises))]
->>>>>>> h-turning
         table = np.where(is_table, together, 0.0)
         return in_columns(together, internal, surface, tied, table, is_table & light.is_principal)
 
