@@ -19,6 +19,7 @@ from gemrender.errors import InputError
 __all__ = [
     "ADAPTATION",
     "KELVIN_RANGE",
+    "VISIBLE_NM",
     "adapt",
     "adaptation_matrix",
     "check_image",
@@ -39,6 +40,9 @@ __all__ = [
 #: from illuminant A at 430 nm 13 and 17 times, under 10000 K they make violet negative. This one keeps it
 #: within a few per cent, and white is white in any of them.
 ADAPTATION = "Von Kries"
+
+#: Visible light, which pictures are made of [nm].
+VISIBLE_NM = (380.0, 760.0)
 
 #: Allowed temperatures of a blackbody [K].
 KELVIN_RANGE = (1000.0, 25000.0)
@@ -143,7 +147,7 @@ def colour_spectrum(rgb: Any, wavelength_nm: Any) -> np.ndarray:
     rgb : array_like (3,)
         Linear sRGB where white is D65, at least 0 and not all 0.
     wavelength_nm : array_like (...)
-        Wavelengths in vacuum [nm]; linear between rows, and 0 outside 360 to 830.
+        Wavelengths in vacuum [nm]; linear between rows, and 0 outside `VISIBLE_NM`.
 
     Raises
     ------
@@ -159,7 +163,7 @@ def colour_spectrum(rgb: Any, wavelength_nm: Any) -> np.ndarray:
 
 
 #: Rows of the spectra of colours [nm].
-_ROWS_NM = np.arange(360.0, 831.0, 5.0)
+_ROWS_NM = np.arange(VISIBLE_NM[0], VISIBLE_NM[1] + 1, 5.0)
 #: How far from its colour a spectrum may be, and Newton steps until then: ten are usual.
 _COLOUR_ERROR, _NEWTON_STEPS = 1e-10, 200
 
@@ -167,9 +171,12 @@ _COLOUR_ERROR, _NEWTON_STEPS = 1e-10, 200
 @lru_cache(maxsize=64)
 def _smoothest(rgb: tuple[float, float, float]) -> np.ndarray:
     """Return the rows of the smoothest positive spectrum of a colour."""
-    rows, bars = _observer()
-    hats = np.stack([np.interp(rows, _ROWS_NM, one) for one in np.eye(len(_ROWS_NM))], axis=1)
-    response = _xyz_to_rgb() @ bars.T @ hats / y_integral_nm()
+    # Simpson's rule by 1 nm: exact for products of two tables that are linear in between, as of a picture
+    grid = np.arange(2 * VISIBLE_NM[0], 2 * VISIBLE_NM[1] + 1) / 2.0
+    weights = np.full(len(grid), 2.0 / 6.0)
+    weights[1::2], weights[[0, -1]] = 4.0 / 6.0, 1.0 / 6.0
+    hats = np.stack([np.interp(grid, _ROWS_NM, one) for one in np.eye(len(_ROWS_NM))], axis=1)
+    response = _xyz_to_rgb() @ (colour_matching(grid) * weights[:, None]).T @ hats / y_integral_nm()
     steps = np.diff(np.eye(len(_ROWS_NM)), axis=0)
     slope = steps.T @ steps
     # Newton's method on the Lagrangian: unknown are the logarithms of the rows, and three multipliers
