@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from enum import IntEnum
+from typing import Any
 
 import numpy as np
 
@@ -22,6 +23,7 @@ __all__ = [
     "PATH_CODE_FACTOR",
     "PATH_CODE_MASK",
     "REAR_RULES",
+    "MeasureValues",
     "Measurement",
     "Model",
     "Observation",
@@ -225,6 +227,29 @@ class View:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MeasureValues:
+    """What one measure says of a view of a stone.
+
+    Attributes
+    ----------
+    name, version : str, int
+        Of the measure.
+    values : dict of str to float
+        Its values by name; NaN where one is not defined, such as a share of a table that there is not.
+    bound : float or None
+        Each of them is within this of the truth, with a confidence of 99.9 %; None where that is not known.
+    details : dict
+        Further values that are no means, such as numbers of virtual facets.
+    """
+
+    name: str
+    version: int
+    values: dict[str, float]
+    bound: float | None
+    details: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Measurement:
     """The exact scores of one view of a stone, in per cent of the area of the view.
 
@@ -250,6 +275,8 @@ class Measurement:
         Time that it took [s].
     notes : tuple of str
         What was asked for and not reached, in words; empty where all was.
+    measures : tuple of MeasureValues
+        What further measures say.
     """
 
     average: float
@@ -264,6 +291,7 @@ class Measurement:
     girdle: float
     seconds: float
     notes: tuple[str, ...] = ()
+    measures: tuple[MeasureValues, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

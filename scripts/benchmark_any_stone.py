@@ -30,7 +30,7 @@ import numpy as np
 from benchmark_exact import one_core
 
 from gemrender.beam import beam_stone, measure, prepare
-from gemrender.beam.rays import INSIDE, RAY, enter_rays, follow_rays
+from gemrender.beam.rays import INSIDE, STATUS, Rays, empty_rays, enter_rays, follow_rays
 from gemrender.cuts import RoundBrilliant, load_stone
 from gemrender.cuts.random import random_brilliant
 from gemrender.observation import MOST_REFLECTIONS, View
@@ -226,14 +226,13 @@ def rays(table: Table, options: argparse.Namespace) -> None:
         ready, view = beam_stone(stone), View.of(stone, RAYS_A_SIDE)
         x, y = view.cell_centres()
         points = np.stack(np.broadcast_arrays(x, y[:, None]), axis=-1).reshape(-1, 2)
-        started = np.zeros(len(points), RAY)
-        enter_rays(points, view.basis(), ready.solid, ready.facet, INDEX, started)
-        started = started[started["status"] == INSIDE]
+        rays = empty_rays(len(points))
+        enter_rays(points, view.basis(), ready.solid, ready.facet, INDEX, rays)
         follow = partial(_follow, ready.solid, ready.facet)
-        segments = sum(map(follow, _blocks(started.copy())))
+        segments = sum(map(follow, _blocks(rays)))
 
-        def rates(run: Callable[[list[np.ndarray]], Any], started: Any = started) -> Times:
-            copies = iter([_blocks(started.copy()) for _ in range(options.repeats + 2)])
+        def rates(run: Callable[[list[Rays]], Any], rays: Rays = rays) -> Times:
+            copies = iter([_blocks(rays) for _ in range(options.repeats + 2)])
             return times(lambda: run(next(copies)), options.repeats)
 
         with one_core():
@@ -254,11 +253,16 @@ def rays(table: Table, options: argparse.Namespace) -> None:
         )
 
 
-def _blocks(rays: np.ndarray) -> list[np.ndarray]:
-    return np.array_split(rays, -(-len(rays) // RAYS_A_BLOCK))
+def _blocks(rays: Rays) -> list[Rays]:
+    """Return copies of the rays that are inside."""
+    inside = np.flatnonzero(rays.facts[STATUS] == INSIDE)
+    parts = np.array_split(inside, -(-len(inside) // RAYS_A_BLOCK))
+    return [
+        Rays(rays.numbers.take(part, axis=1), rays.facts.take(part, axis=1), rays.random) for part in parts
+    ]
 
 
-def _follow(solid: Any, facet: np.ndarray, rays: np.ndarray) -> int:
+def _follow(solid: Any, facet: np.ndarray, rays: Rays) -> int:
     return int(follow_rays(solid, facet, INDEX, MOST_REFLECTIONS, rays))
 
 

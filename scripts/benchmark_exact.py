@@ -24,7 +24,16 @@ from typing import Any
 import numpy as np
 
 from gemrender.beam import BOUND_RANGE, beam_stone, measure, prepare, trace_facets
-from gemrender.beam.rays import INSIDE, RAY, enter_rays, follow_rays
+from gemrender.beam.rays import (
+    COS_ENTRY,
+    DIRECTION,
+    INSIDE,
+    STATUS,
+    Rays,
+    empty_rays,
+    enter_rays,
+    follow_rays,
+)
 from gemrender.beam.solid import BeamStone
 from gemrender.cuts import RoundBrilliant, load_stone
 from gemrender.engines import DEFAULT_BOUND, observe
@@ -116,12 +125,17 @@ def one_stone(repeats: int) -> None:
     print(f"  reference at 512, once: {1e3 * other:.0f} ms, {other / exact:.0f} times as long")
 
 
-def girdle_rays(stone: Stone, number: int) -> tuple[BeamStone, np.ndarray]:
+def girdle_rays(stone: Stone, number: int) -> tuple[BeamStone, Rays]:
     """Return rays all over a stone's tilted view, as they have entered it."""
     ready, view = beam_stone(stone), View(resolution=1, tilt_deg=30, tilt_azimuth_deg=10)
-    places, rays = np.random.default_rng(1).uniform(-1, 1, (number, 2)), np.zeros(number, RAY)
+    places, rays = np.random.default_rng(1).uniform(-1, 1, (number, 2)), empty_rays(number)
     enter_rays(places, view.basis(), ready.solid, ready.facet, MODEL.index, rays)
-    return ready, rays[rays["status"] == INSIDE]
+    return ready, chosen(rays, np.flatnonzero(rays.facts[STATUS] == INSIDE))
+
+
+def chosen(rays: Rays, columns: np.ndarray) -> Rays:
+    """Return copies of some rays."""
+    return Rays(rays.numbers.take(columns, axis=1), rays.facts.take(columns, axis=1), rays.random)
 
 
 def single_rays(repeats: int) -> None:
@@ -133,20 +147,21 @@ def single_rays(repeats: int) -> None:
     ready, inside = girdle_rays(load_stone("fish-eye"), 200_000)
 
     def follow(part: np.ndarray) -> int:
-        rays = part.copy()
+        rays = chosen(inside, part)
         return int(follow_rays(ready.solid, ready.facet, MODEL.index, MODEL.max_reflections, rays))
 
-    parts = np.array_split(inside, 4 * cores)
-    met = follow(inside)
+    every_ray = np.arange(inside.facts.shape[1])
+    parts = np.array_split(every_ray, 4 * cores)
+    met = follow(every_ray)
     with one_core() as where:
-        one = seconds(lambda: follow(inside), repeats)
+        one = seconds(lambda: follow(every_ray), repeats)
         normals = np.ascontiguousarray(ready.solid.values[:, :3].T)
-        product = seconds(lambda: inside["direction"] @ normals, repeats) * met / len(inside)
+        directions = np.ascontiguousarray(inside.numbers[DIRECTION:COS_ENTRY].T)
+        product = seconds(lambda: directions @ normals, repeats) * met / len(every_ray)
     with ThreadPoolExecutor(cores) as threads:
         every = seconds(lambda: list(threads.map(follow, parts)), repeats)
-    print(
-        f"single rays, {met / len(inside):.1f} segments each, M segments a second (wanted: 40 by all cores):"
-    )
+    each = met / len(every_ray)
+    print(f"single rays, {each:.1f} segments each, M segments a second (wanted: 40 by all cores):")
     print(f"  {met / one / 1e6:.1f} by {where}, {met / every / 1e6:.1f} by {cores} threads")
     print(f"  a segment takes {one / product:.2f} times as long as numpy's products of a ray and all normals")
 

@@ -117,7 +117,7 @@ class _Scored:
 
     def near_means(self) -> np.ndarray:
         """Mean intensity and share of rear light near the girdle, by each set of rays, (SETS, 2) (0 to 1)."""
-        met = self.near[:, MET:]
+        met = self.near[:, [MET]]
         return np.asarray(self.near[:, [INTENSITY, REAR]] / np.where(met > 0, met, 1.0))
 
     def moved(self, parameter: str, by: float, seed: int) -> _Scored:

@@ -7,7 +7,7 @@ from typing import Any
 from gemrender.beam.compiled import jit, real, root
 from gemrender.optics.fresnel import LEAST_TOTAL
 
-__all__ = ["PARALLEL", "into_air", "into_stone", "is_total"]
+__all__ = ["PARALLEL", "into_air", "into_stone", "is_total", "reflected_share"]
 
 #: A ray runs along a plane and never meets it if the cosine between it and the normal is no larger: rounding.
 PARALLEL = 1e-12
@@ -41,3 +41,11 @@ def into_air(
     left = 1.0 - tx * tx - ty * ty - tz * tz
     cos_air = root(left) if real(left) > 0.0 else 0.0 * left
     return tx + cos_air * nx, ty + cos_air * ny, tz + cos_air * nz, cos_air, cos_stone
+
+
+@jit
+def reflected_share(cos_air: Any, cos_stone: Any, index: float) -> float:
+    """Return the reflectance for unpolarised light: `gemrender.optics.fresnel.reflectance`."""
+    a, b = real(cos_air), real(cos_stone)
+    s, p = (a - index * b) / (a + index * b), (index * a - b) / (index * a + b)
+    return float(0.5 * (s * s + p * p))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from contextlib import nullcontext
 from dataclasses import dataclass
 from enum import IntEnum
+from functools import cached_property
 from typing import Unpack
 
 import numpy as np
@@ -13,6 +14,7 @@ from gemrender.beam.budget import Budget, no_limits
 from gemrender.beam.polygons import EXITED, GIRDLE_CELL, TRAPPED, Traced, trace_polygons
 from gemrender.beam.rules import Rules
 from gemrender.beam.solid import NO_WEDGE, BeamStone, beam_stone
+from gemrender.beam.unfold import unfolding
 from gemrender.measures import inoue
 from gemrender.observation import LIGHT_LEVEL, Model, RayStatus, View
 from gemrender.paths import Paths
@@ -34,9 +36,12 @@ class FacetStatus(IntEnum):
     GIRDLE = int(GIRDLE_CELL)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class VirtualFacets:
     """A view of a stone, cut into convex polygons of one path each.
+
+    Where all light was followed there are more of them, behind the others: those of light that has been
+    reflected in part, of which there may be several at a place.
 
     Attributes
     ----------
@@ -48,10 +53,6 @@ class VirtualFacets:
         `FacetStatus`.
     area : (n,) float64
         Area [girdle radius^2].
-    primary_intensity : (n,) float64
-        Intensity by the model [%]; 0 for rear light, and where it is not known.
-    rear_mask : (n,) bool
-        Whether its light is rear light.
     reflections : (n,) int64
         Total reflections, as far as the path is known.
     exit_direction : (n, 3) float64
@@ -65,6 +66,8 @@ class VirtualFacets:
         cells where it was last reflected.
     paths : Paths
         What its light does, in columns; of girdle cells as far as the girdle (they count as missed).
+    unfolding : (k, 3, 3) float64 or None
+        Where all light was followed, what mirrors a direction at each node back through all reflections.
     covered, covered_ends
         Outlines of the facets in the view as far as polygons tell them, for each plane where they end.
     unaccounted : float
@@ -84,14 +87,13 @@ class VirtualFacets:
     ends: np.ndarray
     status: np.ndarray
     area: np.ndarray
-    primary_intensity: np.ndarray
-    rear_mask: np.ndarray
     reflections: np.ndarray
     exit_direction: np.ndarray
     node: np.ndarray
     nodes: np.ndarray
     exit_map: np.ndarray
     paths: Paths
+    unfolding: np.ndarray | None
     covered: np.ndarray
     covered_ends: np.ndarray
     unaccounted: float
@@ -105,10 +107,21 @@ class VirtualFacets:
     def __len__(self) -> int:
         return len(self.starts)
 
+    @cached_property
+    def primary_intensity(self) -> np.ndarray:
+        """(n,) intensity of principal light by the model [%]; 0 for rear light, and where it is not known."""
+        return LIGHT_LEVEL * inoue.primary_intensity(self.paths, self.model, self.rear_mask)
+
+    @cached_property
+    def rear_mask(self) -> np.ndarray:
+        """(n,) bool: whether its light is rear light."""
+        return inoue.rear_mask(self.paths, self.model)
+
     @property
     def is_counted(self) -> np.ndarray:
-        """(n,) bool: which of them count as virtual facets: not girdle cells, nor slivers of rounding."""
-        return np.asarray((self.status != FacetStatus.GIRDLE) & (self.area > SMALLEST_FACET))
+        """(n,) bool: which count as virtual facets: of principal light, no girdle cells, no slivers."""
+        is_principal = self.paths.partial_reflections == 0
+        return np.asarray(is_principal & (self.status != FacetStatus.GIRDLE) & (self.area > SMALLEST_FACET))
 
     @property
     def parts(self) -> int:
@@ -170,13 +183,15 @@ def along_paths(parents: np.ndarray, values: np.ndarray, combine: np.ufunc) -> n
     return out
 
 
-def kernel_rules(model: Model) -> Rules:
-    """Return what the kernels need of the model."""
+def kernel_rules(model: Model, least: float = 0.0) -> Rules:
+    """Return what the kernels need of the model; all light is followed down to a least share of the view."""
     return Rules(
         refractive_index=float(model.index),
         max_reflections=int(model.max_reflections),
         cut_at_ground=model.rear == "position",
         ground=float(model.ground),
+        follows_all=least > 0.0,
+        least=float(least),
     )
 
 
@@ -184,7 +199,14 @@ def kernel_rules(model: Model) -> Rules:
 _RAY_STATUS = np.array([RayStatus.EXITED, RayStatus.TRAPPED, RayStatus.MISSED], dtype=np.int64)
 
 
-def polygon_paths(polygons: Traced, planes: np.ndarray, facet: np.ndarray, view: View, stone: Stone) -> Paths:
+def polygon_paths(
+    polygons: Traced,
+    planes: np.ndarray,
+    facet: np.ndarray,
+    view: View,
+    stone: Stone,
+    unfolding: np.ndarray | None = None,
+) -> Paths:
     """Return the paths of polygons.
 
     Parameters
@@ -195,8 +217,10 @@ def polygon_paths(polygons: Traced, planes: np.ndarray, facet: np.ndarray, view:
         The planes that were traced (p, 4), and the facet that each belongs to (p + 1,).
     view, stone : View, Stone
         From where, and what.
+    unfolding : (k, 3, 3) float64, optional
+        Of their nodes; without it they get no normals.
     """
-    status, _, reflections, entry, leaves = polygons.facts.T
+    status, _, reflections, entry, leaves, partial = polygons.facts.T
     exits = status == EXITED
     ends = polygons.ends
     starts = np.concatenate([[0], ends[:-1]]).astype(np.int64)
@@ -207,18 +231,26 @@ def polygon_paths(polygons: Traced, planes: np.ndarray, facet: np.ndarray, view:
     cos_exit = (planes[leaves, :3] * direction).sum(axis=1)
     return Paths(
         area=polygons.areas,
-        weight=np.ones(len(status)),
+        weight=polygons.weights,
         status=_RAY_STATUS[status],
         reflections=reflections,
-        partial_reflections=np.zeros(len(status), dtype=np.int64),
+        partial_reflections=partial,
         entry_facet=facet[entry],
         exit_facet=np.where(exits, facet[leaves], -1),
         cos_entry=(planes[:, :3] @ view.basis()[2])[entry],
         cos_exit=np.where(exits & (cos_exit.real > 0.0), cos_exit, 0.0),
         exit_point=beams[:, :3] + middles[:, :1] * beams[:, 3:6] + middles[:, 1:] * beams[:, 6:9],
         exit_direction=direction,
+        entry_normal=None if unfolding is None else planes[entry, :3],
+        unfolded_exit_normal=None if unfolding is None else _unfolded_normals(polygons, planes, unfolding),
         stone=stone,
     )
+
+
+def _unfolded_normals(polygons: Traced, planes: np.ndarray, unfolding: np.ndarray) -> np.ndarray:
+    """Return the normals where polygons leave, mirrored back through their reflections, (n, 3)."""
+    _, node, _, _, leaves, _ = polygons.facts.T
+    return np.asarray((unfolding[polygons.nodes[node, 0]] * planes[leaves, None, :3]).sum(axis=2))
 
 
 def trace_facets(
@@ -227,6 +259,7 @@ def trace_facets(
     view: View | None = None,
     model: Model | None = None,
     whole: bool = True,
+    least: float = 0.0,
     budget: Budget | None = None,
     **short: Unpack[ShortForms],
 ) -> VirtualFacets:
@@ -242,6 +275,9 @@ def trace_facets(
         The optical model; by default that of the stone's material.
     whole : bool
         Whether to trace the whole view, or, of a symmetric stone from straight above, a part.
+    least : float
+        Follow all light, down to so small a share of the view; what is left of it becomes girdle cells. By
+        default only principal light is followed.
     budget : Budget, optional
         Time and memory to keep to: what is not followed to its end within them becomes girdle cells. Without
         one there are no limits, and a few stones of a high index take minutes and gigabytes.
@@ -259,29 +295,28 @@ def trace_facets(
     view = view or View(resolution=1)
     model = model or Model.of(convex.stone)
     wedge = NO_WEDGE if whole else convex.wedge(view)
-    rules = kernel_rules(model)
+    rules = kernel_rules(model, least)
     with budget.polygon_limits() if budget else nullcontext(no_limits()) as limits:
         traced = trace_polygons(convex.solid, view.basis(), wedge, rules, limits)
     why = ""
     if budget is not None and traced.no_time + traced.no_memory > 0.0:
         why = budget.memory_is_full if traced.no_memory else budget.time_is_up
     nodes = traced.nodes
-    paths = polygon_paths(traced, convex.solid.values, convex.facet, view, convex.stone)
-    rear = inoue.rear_mask(paths, model)
+    unfolded = unfolding(nodes, convex.solid.values) if least else None
+    paths = polygon_paths(traced, convex.solid.values, convex.facet, view, convex.stone, unfolded)
     return VirtualFacets(
         corners=traced.corners,
         starts=np.concatenate([[0], traced.ends[:-1]]).astype(np.int64),
         ends=traced.ends,
         status=traced.facts[:, 0],
         area=traced.areas,
-        primary_intensity=LIGHT_LEVEL * inoue.primary_intensity(paths, model, rear),
-        rear_mask=rear,
         reflections=paths.reflections,
         exit_direction=paths.exit_direction,
         node=traced.facts[:, 1],
         nodes=np.column_stack([nodes[:, 0], convex.facet[nodes[:, 1]]]),
         exit_map=traced.beams[:, :9].reshape(-1, 3, 3),
         paths=paths,
+        unfolding=unfolded,
         covered=traced.outlines,
         covered_ends=traced.outline_ends,
         unaccounted=traced.unaccounted,

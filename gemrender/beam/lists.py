@@ -29,11 +29,17 @@ __all__ = [
 
 
 class Path(NamedTuple):
-    """How a polygon's light has come so far: its last node, its reflections, and the plane it entered by."""
+    """How a polygon's light has come so far.
+
+    Its last node, its reflections, the plane it entered by, how many of the reflections were partial ones,
+    and the product of their reflectances.
+    """
 
     node: Any
     reflections: Any
     entry: Any
+    partial: Any
+    weight: Any
 
 
 class Polygons(NamedTuple):
@@ -41,11 +47,11 @@ class Polygons(NamedTuple):
 
     corners : (c, 2) float64 or complex128
         Corners of all of them.
-    facts : (m, 6) int64
-        Of each: where its corners end, status (EXITED ...), node, reflections, and the planes that it enters
-        and leaves by (-1 for none).
-    numbers : (m, BEAM + 1) like `corners`
-        Its `Beam`, where it left or was last reflected, and its area.
+    facts : (m, 7) int64
+        Of each: where its corners end, status (EXITED ...), node, reflections, the planes that it enters
+        and leaves by (-1 for none), and partial reflections.
+    numbers : (m, BEAM + 2) like `corners`
+        Its `Beam`, where it left or was last reflected, its area, and its weight.
     used : (2,) int64
         How many corners and polygons there are.
     """
@@ -69,8 +75,8 @@ class Work(NamedTuple):
         How many corners and polygons that are done, corners and polygons that wait, nodes, and corners of the
         table there is room for, and for how many there must be before the next polygon is followed.
     sums : (3,) float64
-        Areas [girdle radius^2]: that no polygon holds, slivers thinner than rounding; and of girdle cells
-        that the limits have made, by time and by memory.
+        Areas [girdle radius^2]: that no polygon of principal light holds, slivers thinner than rounding; and
+        of girdle cells that the limits have made of it, by time and by memory.
     table : (3, m, 3) like the corners
         Polygons that are cut (`clipping`).
     distances : (p, 3) like the corners
@@ -95,7 +101,7 @@ _FIRST_CORNERS, _FIRST_POLYGONS = 1 << 14, 1 << 12
 #: What is in `sums`, by place.
 UNACCOUNTED, NO_TIME, NO_MEMORY = range(3)
 #: What the lists hold of each [bytes]: of a node, of a corner, and of a polygon besides.
-NODE_BYTES, CORNER_BYTES, POLYGON_BYTES = 16, 16, 8 * (6 + BEAM + 1)
+NODE_BYTES, CORNER_BYTES, POLYGON_BYTES = 16, 16, 8 * (7 + BEAM + 2)
 
 
 @jit_inner
@@ -108,9 +114,9 @@ def add(
     copy_out(table, part, n, polygons.corners, used[0])
     facts = polygons.facts[m]
     facts[0], facts[1], facts[2], facts[3] = end, status, path.node, path.reflections
-    facts[4], facts[5] = path.entry, leaves
+    facts[4], facts[5], facts[6] = path.entry, leaves, path.partial
     write_beam(beam, polygons.numbers, m)
-    polygons.numbers[m, BEAM] = size
+    polygons.numbers[m, BEAM], polygons.numbers[m, BEAM + 1] = size, path.weight
     used[0], used[1] = end, m + 1
 
 
@@ -122,7 +128,7 @@ def has_room(n: int, count: int, walls: int, done: Any, waiting: Any, nodes: Any
     """
     most = n + count + walls + 2  # a cell gains one corner at the most by each cut
     needed, enough = room[1], True
-    needed[0], needed[1] = done[0] + count * (walls + 2) * most, done[1] + count * (walls + 2)
+    needed[0], needed[1] = done[0] + count * (walls + 3) * most, done[1] + count * (walls + 3)
     needed[2], needed[3] = waiting[0] + count * most, waiting[1] + count
     needed[4], needed[5] = nodes[0] + count, most
     for k in range(6):
@@ -134,8 +140,8 @@ def _empty_polygons(corners: int, polygons: int, kind: np.dtype) -> Polygons:
     """Return an empty list."""
     return Polygons(
         corners=np.empty((corners, 2), kind),
-        facts=np.empty((polygons, 6), np.int64),
-        numbers=np.empty((polygons, BEAM + 1), kind),
+        facts=np.empty((polygons, 7), np.int64),
+        numbers=np.empty((polygons, BEAM + 2), kind),
         used=np.zeros(2, np.int64),
     )
 

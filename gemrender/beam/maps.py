@@ -12,7 +12,7 @@ from gemrender.beam.budget import Budget
 from gemrender.beam.compiled import jit
 from gemrender.beam.facets import FacetStatus, VirtualFacets, trace_facets
 from gemrender.beam.measure import measure_facets
-from gemrender.beam.rays import RAY, enter_rays, follow_rays, ray_paths
+from gemrender.beam.rays import CODE, empty_rays, enter_rays, follow_rays, ray_paths
 from gemrender.beam.solid import BeamStone, beam_stone
 from gemrender.measures import inoue
 from gemrender.observation import (
@@ -211,7 +211,7 @@ def _fill_from_rays(
     maps: dict[str, Any], convex: BeamStone, facets: VirtualFacets, pixel: np.ndarray, at: np.ndarray
 ) -> None:
     """Write what single rays through places (n, 2) of the view find into pixels (n,) of the maps."""
-    model, rays = facets.model, np.zeros(len(at), RAY)
+    model, rays = facets.model, empty_rays(len(at))
     enter_rays(at, facets.view.basis(), convex.solid, convex.facet, model.index, rays)
     follow_rays(convex.solid, convex.facet, model.index, model.max_reflections, rays)
     paths = ray_paths(rays, convex.facet, np.zeros(len(at)), convex.stone)
@@ -226,6 +226,6 @@ def _fill_from_rays(
         "exit_direction": np.where(exits, paths.exit_direction, 0.0),
         "entry_facet": paths.entry_facet,
         "exit_facet": paths.exit_facet,
-        "path_code": rays["path_code"],
+        "path_code": rays.facts[CODE],
     }.items():
         maps[name][pixel] = value

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -12,9 +12,10 @@ from gemrender.beam.facets import VirtualFacets, trace_facets
 from gemrender.beam.near_girdle import SETS, STUDENT_T, NearGirdle
 from gemrender.beam.solid import BeamStone, beam_stone
 from gemrender.errors import InputError
-from gemrender.measures import inoue
-from gemrender.measures.inoue import BANDS, INTENSITY, LOST, MET, REAR, TRAPPED
-from gemrender.observation import LIGHT_LEVEL, Measurement, Model, View, bound_text
+from gemrender.measures.inoue import BANDS, INTENSITY, LOST, MET, N_SUMS, REAR, TRAPPED
+from gemrender.measures.measure import HEAD_DEG, Measure
+from gemrender.measures.tally import REST, Tally
+from gemrender.observation import Measurement, MeasureValues, Model, View, bound_text
 from gemrender.stone import Stone
 
 __all__ = ["BOUND_RANGE", "check_bound", "facet_sums", "measure", "measure_facets"]
@@ -22,6 +23,8 @@ __all__ = ["BOUND_RANGE", "check_bound", "facet_sums", "measure", "measure_facet
 #: Allowed range of the error bound [%].
 BOUND_RANGE = (1e-4, 10.0)
 
+#: All light is followed by polygons down to this share of the view, area times weight; by rays from there.
+_LEAST = 1e-5
 #: Rays of a set at first, and at the most.
 _FIRST_RAYS, _MOST_RAYS = 64, 1 << 23
 
@@ -45,6 +48,8 @@ def measure(
     *,
     view: View | None = None,
     model: Model | None = None,
+    measures: Sequence[Measure] = (),
+    head_deg: float = HEAD_DEG,
     bound: float = 0.05,
     seed: int = 1,
     progress: Callable[[float], None] | None = None,
@@ -60,10 +65,14 @@ def measure(
         Where the eye is; by default straight above. Its resolution does not matter.
     model : Model, optional
         The optical model; by default that of the stone's material.
+    measures : sequence of Measure
+        What to measure besides the paper's score.
+    head_deg : float
+        Half the angle at which the viewer's head is seen from the stone [deg].
     bound : float
         Wanted error bound of every score [%].
     seed : int
-        Seed of the rays near the girdle.
+        Seed of the single rays.
     progress : callable, optional
         Called with the share done, 0 to 1.
     budget : Budget, optional
@@ -76,8 +85,9 @@ def measure(
         The stone is not convex, or the bound out of range.
     """
     return measure_facets(
-        stone, view=view, model=model, bound=bound, seed=seed, progress=progress, budget=budget
-    )[0]
+        stone, view=view, model=model, measures=measures, head_deg=head_deg, bound=bound, seed=seed,
+        progress=progress, budget=budget,
+    )[0]  # fmt: skip
 
 
 def measure_facets(
@@ -89,45 +99,103 @@ def measure_facets(
     seed: int,
     progress: Callable[[float], None] | None,
     budget: Budget | None,
+    measures: Sequence[Measure] = (),
+    head_deg: float = HEAD_DEG,
 ) -> tuple[Measurement, VirtualFacets]:
     """Score a stone as `measure` does; return its virtual facets too, of a symmetric one those of a part."""
     start = time.perf_counter()
     wanted = check_bound(bound)
     convex = stone if isinstance(stone, BeamStone) else beam_stone(stone)
-    facets = trace_facets(convex, view=view, model=model, whole=False, budget=budget)
-    resolved, near = facet_sums(facets), NearGirdle(convex, facets, seed)
+    tally = Tally(view or View(resolution=1), model or Model.of(convex.stone), measures, head_deg)
+    facets = trace_facets(
+        convex, view=tally.view, model=tally.model, whole=not tally.is_axial,
+        least=_LEAST if tally.follows_all else 0.0, budget=budget,
+    )  # fmt: skip
+    resolved, near = _sums(tally, facets), NearGirdle(convex, facets, seed, tally)
     rays = _FIRST_RAYS
     while True:
         near.go_on(near.numbers(rays), progress, budget)
         sums = resolved + near.found()
-        each = 100.0 * sums / sums[:, MET:]
-        scores, error = each.mean(axis=0), each.std(axis=0, ddof=1) / np.sqrt(SETS)
-        unsolved, scatter = float(scores[TRAPPED] + scores[LOST]), float(STUDENT_T * error.max())
+        found = _Found(tally, sums)
         # No ray more makes less light trapped.
-        allowed = max(wanted - unsolved, 0.5 * wanted)
-        if scatter <= allowed or rays >= _MOST_RAYS or near.stopped:
+        allowed = max(wanted - found.unsolved, 0.5 * wanted)
+        if found.scatter <= allowed or rays >= _MOST_RAYS or near.stopped:
             break
         # The error falls as the 3/4th power of the number of rays, and where they run about the girdle for
         # long, so that any two of them part, as its root: something between.
-        rays = int(rays * min(max(1.2 * (scatter / allowed) ** 1.6, 1.5), 8.0))
-    missed = _missed(scatter + unsolved, wanted, unsolved, budget if near.stopped else None)
+        rays = int(rays * min(max(1.2 * (found.scatter / allowed) ** 1.6, 1.5), 8.0))
+    reached = found.scatter + found.unsolved
+    missed = _missed(reached, wanted, found.unsolved, budget if near.stopped else None)
     images, area = facets.images(), float(sums[:, MET].mean())
-    counted = facets.is_counted
+    counted, scores = facets.is_counted, found.scores
     measured = Measurement(
         average=float(scores[INTENSITY]),
         rear=float(scores[REAR]),
         bands=scores[BANDS : BANDS + 6],
         trapped=float(scores[TRAPPED]),
         lost=float(scores[LOST]),
-        bound=scatter + unsolved,
+        bound=found.bound,
         rays=near.rays,
         area=facets.parts * area,
         sizes=np.repeat((100.0 / area * facets.area / images)[counted], images[counted]),
         girdle=100.0 * (1.0 - resolved[MET] / area),
         seconds=time.perf_counter() - start,
         notes=(*_left_over(facets), *missed),
+        measures=found.measures(facets),
     )
     return measured, facets
+
+
+class _Found:
+    """What sums of sets say: scores, and how far they scatter.
+
+    Parameters
+    ----------
+    tally : Tally
+        What was summed up.
+    sums : (SETS, n_sums) float64
+        What each set has found together with the polygons [girdle radius^2].
+    """
+
+    def __init__(self, tally: Tally, sums: np.ndarray) -> None:
+        self._tally, self._mean = tally, sums.mean(axis=0)
+        each = 100.0 * sums / sums[:, [MET]]
+        self.scores = each.mean(axis=0)
+        trapped = float(self.scores[TRAPPED] + self.scores[LOST])
+        scatter = float(_scatter(each[:, :MET]).max())
+        self.bound = scatter + trapped
+        self._errors = [_scatter(values) for values in tally.values(sums)]
+        self.unsolved = trapped + (float(self.scores[REST]) if tally.follows_all else 0.0)
+        steering = [errors for errors, of in zip(self._errors, tally.measures, strict=True) if of.unit == "%"]
+        self.scatter = float(max([scatter, *(np.nanmax(errors, initial=0.0) for errors in steering)]))
+
+    def measures(self, facets: VirtualFacets) -> tuple[MeasureValues, ...]:
+        """Return what each measure says."""
+        light = self._tally.light(facets.paths)
+        return tuple(
+            MeasureValues(
+                name=measure.name,
+                version=measure.version,
+                values=dict(zip(measure.keys, map(float, values), strict=True)),
+                bound=float(np.nanmax(errors, initial=0.0)) + (measure.unit == "%") * self.unsolved,
+                details=measure.details(light),
+            )
+            for measure, values, errors in zip(
+                self._tally.measures, self._tally.values(self._mean), self._errors, strict=True
+            )
+        )
+
+
+def _scatter(values: np.ndarray) -> np.ndarray:
+    """Return the bounds (k,) that values of sets (SETS, k) give their mean."""
+    return np.asarray(STUDENT_T / np.sqrt(SETS) * values.std(axis=0, ddof=1))
+
+
+def _sums(tally: Tally, facets: VirtualFacets) -> np.ndarray:
+    """Sum up the virtual facets whose whole path is known, (n_sums,) [girdle radius^2]."""
+    sums = tally.sum_up(facets.paths)[0]
+    sums[[TRAPPED, MET]] += facets.unaccounted
+    return np.asarray(sums)
 
 
 def _left_over(facets: VirtualFacets) -> tuple[str, ...]:
@@ -153,6 +221,4 @@ def _missed(bound: float, wanted: float, unsolved: float, stopped: Budget | None
 
 def facet_sums(facets: VirtualFacets) -> np.ndarray:
     """Sum up the virtual facets whose whole path is known, (N_SUMS,) as `inoue` has it [girdle radius^2]."""
-    sums = inoue.sum_up(facets.paths, facets.rear_mask, facets.primary_intensity / LIGHT_LEVEL)[0]
-    sums[[TRAPPED, MET]] += facets.unaccounted
-    return np.asarray(sums)
+    return _sums(Tally(facets.view, facets.model), facets)[:N_SUMS]

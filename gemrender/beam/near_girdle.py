@@ -16,13 +16,14 @@ from typing import Protocol
 import numpy as np
 
 from gemrender.beam.budget import Budget
-from gemrender.beam.facets import FacetStatus, VirtualFacets, kernel_rules
-from gemrender.beam.rays import INSIDE, RAY, enter_rays, follow_rays, ray_paths
+from gemrender.beam.cells import Cells
+from gemrender.beam.facets import VirtualFacets
+from gemrender.beam.rays import Rays, empty_rays, enter_rays, follow_rays, ray_paths
 from gemrender.beam.rim import rim_points
 from gemrender.beam.solid import BeamStone
 from gemrender.beam.view_area import view_area
-from gemrender.measures import inoue
-from gemrender.measures.inoue import MET, N_SUMS
+from gemrender.measures.inoue import MET
+from gemrender.measures.tally import Tally
 
 __all__ = ["CELLS", "RIM", "SETS", "STUDENT_T", "NearGirdle"]
 
@@ -34,6 +35,8 @@ CELLS, RIM = 0, 1
 
 _PLASTIC = 1.3247179572447460
 _STEPS = np.array([1 / _PLASTIC, 1 / _PLASTIC**2])
+#: The golden ratio as a fraction of 2^64: multiples of it are far apart.
+_ODD = np.uint64(0x9E3779B97F4A7C15)
 #: A share of the view that is small, and the fewest rays of a set.
 _SMALL, _FEWEST = 2e-3, 8
 #: Rays of a set that are traced at a time, between two reports of progress.
@@ -52,11 +55,13 @@ class NearGirdle:
     facets : VirtualFacets
         Its polygons.
     seed : int
-        Seed of the shifts of the sets.
+        Seed of the shifts of the sets, and of the rays' random numbers.
+    tally : Tally, optional
+        What is summed up over paths; by default what the paper's score takes.
 
     Attributes
     ----------
-    sums : (SETS, 2, N_SUMS) float64
+    sums : (SETS, 2, n_sums) float64
         What each set has found in the girdle cells and on the rim; areas [girdle radius^2].
     rays : int
         Rays followed so far.
@@ -65,18 +70,23 @@ class NearGirdle:
     view_area : float
         Area of the traced part of the view [girdle radius^2].
     cell_area : float
-        Area of the girdle cells [girdle radius^2].
+        Area of the girdle cells, each times its weight [girdle radius^2].
     rim_area : float
         Area of the rim [girdle radius^2].
     """
 
-    def __init__(self, convex: BeamStone, facets: VirtualFacets, seed: int) -> None:
-        self._convex, self._model, self._rules = convex, facets.model, kernel_rules(facets.model)
-        self._shifts = np.random.default_rng(seed).random((SETS, 2, 2))
+    def __init__(
+        self, convex: BeamStone, facets: VirtualFacets, seed: int, tally: Tally | None = None
+    ) -> None:
+        self._convex, self._model = convex, facets.model
+        self._tally = tally or Tally(facets.view, facets.model)
+        self._follows_all = facets.unfolding is not None
+        self._random = np.random.default_rng(seed)
+        self._shifts = self._random.random((SETS, 2, 2))
         self.stopped = False
-        self.sums, self.rays, self._done = np.zeros((SETS, 2, N_SUMS)), 0, [0, 0]
+        self.sums, self.rays, self._done = np.zeros((SETS, 2, self._tally.n_sums)), 0, [0, 0]
         self._seconds = [0.0, 0.0]
-        cells = _Cells(facets)
+        cells = Cells(facets)
         self._regions: tuple[_Region, _Region] = (cells, _Rim(convex, facets))
         self.cell_area = cells.area
         seen = float(facets.area.sum())
@@ -133,84 +143,42 @@ class NearGirdle:
         return more if more >= _FEWEST else 0
 
     def _trace(self, region: _Region, unit: np.ndarray) -> np.ndarray:
-        """Follow the rays of all sets through points of the unit square (SETS, n, 2); (SETS, N_SUMS)."""
-        solid, facet, rules = self._convex.solid, self._convex.facet, self._rules
+        """Follow the rays of all sets through points of the unit square (SETS, n, 2); (SETS, n_sums)."""
+        solid, facet, model = self._convex.solid, self._convex.facet, self._model
+        sets, n, _ = unit.shape
+        states = (sets, n if self._follows_all else 0)
+        random = self._random.integers(1, 1 << 63, states, dtype=np.uint64)
 
-        def some_sets(part: np.ndarray) -> np.ndarray:
-            n = part.shape[1]
-            rays, weights, of = region.rays(part.reshape(-1, 2))
-            follow_rays(solid, facet, rules.refractive_index, rules.max_reflections, rays)
-            paths = ray_paths(rays, facet, weights / n, self._convex.stone)
-            rear = inoue.rear_mask(paths, self._model)
-            intensity = inoue.primary_intensity(paths, self._model, rear)
-            return inoue.sum_up(paths, rear, intensity, of // n, len(part))
+        def some_sets(part: slice) -> np.ndarray:
+            rays, areas, of = region.rays(unit[part].reshape(-1, 2), random[part].reshape(-1))
+            follow_rays(solid, facet, model.index, model.max_reflections, rays)
+            paths = ray_paths(rays, facet, areas / n, self._convex.stone)
+            of = np.resize(of // n, len(paths))  # later exits come after all others
+            return self._tally.sum_up(paths, of, len(unit[part]))
 
-        self.rays += unit.shape[0] * unit.shape[1]
-        if unit.shape[0] * unit.shape[1] < _THREAD_RAYS:
-            return some_sets(unit)
+        self.rays += sets * n
+        if sets * n < _THREAD_RAYS:
+            return some_sets(slice(None))
+        bounds = np.linspace(0, sets, min(2 * (os.cpu_count() or 1), sets) + 1).astype(int)
         with ThreadPoolExecutor(os.cpu_count()) as pool:
-            return np.concatenate(list(pool.map(some_sets, np.array_split(unit, 2 * (os.cpu_count() or 1)))))
+            return np.concatenate(list(pool.map(some_sets, map(slice, bounds[:-1], bounds[1:]))))
 
     def found(self) -> np.ndarray:
-        """Return what each set has found in both regions together, (SETS, N_SUMS) [girdle radius^2].
+        """Return what each set has found in both regions together, (SETS, n_sums) [girdle radius^2].
 
         What the rays have found on the rim is made to cover just its area.
         """
         rim = self.sums[:, RIM]
-        met = rim[:, MET:]
+        met = rim[:, [MET]]
         return np.asarray(self.sums[:, CELLS] + rim * (self.rim_area / np.where(met > 0, met, 1.0)))
 
 
 class _Region(Protocol):
     """A part of the view that rays can be spread over."""
 
-    def rays(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Spread rays over it by points of the unit square (n, 2).
-
-        Returns
-        -------
-        rays : (m,) array of `rays.RAY`
-            Rays inside the stone.
-        weights : (m,) float64
-            What each counts, if there were but one point in the unit square.
-        of : (m,) int64
-            The point of the unit square that each was made from.
-        """
+    def rays(self, unit: np.ndarray, random: np.ndarray) -> tuple[Rays, np.ndarray, np.ndarray]:
+        """Spread rays over it (`Cells.rays`)."""
         ...
-
-
-class _Cells:
-    """The girdle cells, as triangles one after the other; their rays go on where the polygons end."""
-
-    def __init__(self, facets: VirtualFacets) -> None:
-        self._facets = facets
-        cells = np.flatnonzero(facets.status == FacetStatus.GIRDLE)
-        first, number = facets.starts[cells], (facets.ends - facets.starts)[cells] - 2
-        self._cell = np.repeat(cells, number)
-        # Of each cell a fan of triangles about its first corner.
-        apex = np.repeat(first, number)
-        second = apex + 1 + np.arange(len(apex)) - np.repeat(np.cumsum(number) - number, number)
-        self._triangles = facets.corners[np.stack([apex, second, second + 1], axis=1)]
-        a, b = (self._triangles[:, k] - self._triangles[:, 0] for k in (1, 2))
-        self._upto = np.cumsum(0.5 * np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]))
-        self.area = float(self._upto[-1]) if len(self._upto) else 0.0
-
-    def rays(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        x = unit[:, 0] * self.area
-        k = np.minimum(np.searchsorted(self._upto, x, side="right"), len(self._upto) - 1)
-        below = np.where(k > 0, self._upto[k - 1], 0.0)
-        across = np.sqrt(np.clip((x - below) / (self._upto[k] - below), 0.0, 1.0))[:, None]
-        along = unit[:, 1:]
-        a, b, c = self._triangles[k].transpose(1, 0, 2)
-        places = (1 - across) * a + across * ((1 - along) * b + along * c)
-        cell, paths = self._cell[k], self._facets.paths
-        by_place = self._facets.exit_map[cell]
-        rays = np.zeros(len(x), RAY)
-        rays["status"], rays["exit"] = INSIDE, -1
-        rays["reflections"], rays["entry"] = paths.reflections[cell], paths.entry_facet[cell]
-        rays["cos_entry"], rays["direction"] = paths.cos_entry[cell], paths.exit_direction[cell]
-        rays["point"] = by_place[:, 0] + places[:, :1] * by_place[:, 1] + places[:, 1:] * by_place[:, 2]
-        return rays, np.full(len(x), self.area), np.arange(len(x))
 
 
 class _Rim:
@@ -226,12 +194,16 @@ class _Rim:
             self._azimuth = 0.5 * (first + last) + 0.05
             self._low, self._high = np.sin(first - self._azimuth), np.sin(last - self._azimuth)
 
-    def rays(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def rays(self, unit: np.ndarray, random: np.ndarray) -> tuple[Rays, np.ndarray, np.ndarray]:
+        """Spread rays over it: one into each gap of a line for each point of the unit square."""
         facets, across = self._facets, self._low + (self._high - self._low) * unit[:, 0]
         places, lengths, lines = rim_points(
             facets.covered, facets.covered_ends, facets.wedge, self._reach, self._azimuth, across, unit[:, 1]
         )
-        rays = np.zeros(len(places), RAY)
+        if len(random):  # the gaps of a line are alike but for their number
+            nth = np.arange(len(lines)) - np.searchsorted(lines, lines)
+            random = (random[lines] + nth.astype(np.uint64) * _ODD) | np.uint64(1)
+        rays = empty_rays(len(places), random)
         enter_rays(
             places, facets.view.basis(), self._convex.solid, self._convex.facet, facets.model.index, rays
         )  # fmt: skip

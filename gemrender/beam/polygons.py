@@ -8,7 +8,8 @@ meets. Total reflection sends the cell on, below the critical angle it is done.
 A round girdle is curved. Before it stand upright planes inside the stone, its `walls`: a cell that meets one
 is given out as a girdle cell, for single rays (`rays`) to follow, and no other polygon ever comes near the
 girdle. Where a stone makes more polygons than time and memory allow (`budget`), those that wait are given out
-likewise.
+likewise. Where all light is followed, what is reflected below the critical angle goes on, until so little of
+it is left that it is given out too.
 
 Geometry only: what is made of the paths is others' business (`gemrender.measures`).
 """
@@ -33,7 +34,7 @@ from gemrender.beam.beams import (
 )
 from gemrender.beam.clipping import area, keep_below
 from gemrender.beam.compiled import jit, jit_inner, real
-from gemrender.beam.crossing import into_air, into_stone, is_total
+from gemrender.beam.crossing import into_air, into_stone, is_total, reflected_share
 from gemrender.beam.lists import (
     CORNER_BYTES,
     NO_MEMORY,
@@ -85,10 +86,11 @@ class Traced(NamedTuple):
         Corners of all polygons, one after the other.
     ends : (m,) int64
         Where the corners of each end.
-    facts : (m, 5) int64
-        Status (EXITED ...), node, reflections, and the planes that it enters and leaves by (-1 for none).
-    areas : (m,) like `corners`
-        Area of each.
+    facts : (m, 6) int64
+        Status (EXITED ...), node, reflections, the planes that it enters and leaves by (-1 for none), and
+        partial reflections.
+    areas, weights : (m,) like `corners`
+        Area of each, and the product of the reflectances at its partial reflections.
     beams : (m, BEAM) like `corners`
         The `Beam` of each, where it left or was last reflected.
     nodes : (k, 2) int64
@@ -105,6 +107,7 @@ class Traced(NamedTuple):
     ends: np.ndarray
     facts: np.ndarray
     areas: np.ndarray
+    weights: np.ndarray
     beams: np.ndarray
     nodes: np.ndarray
     outlines: np.ndarray
@@ -162,7 +165,7 @@ def see_facets(solid: Any, basis: Any, wedge: Any, index: float, work: Any) -> N
         here = used[0]
         work.nodes[here, 0], work.nodes[here, 1] = -1, i
         used[0] = here + 1
-        path, beam = Path(here, _FIRST, i), turned(beam, dx, dy, dz)
+        path, beam = Path(here, _FIRST, i, _FIRST, 1.0), turned(beam, dx, dy, dz)
         add(work.waiting, _WAITS, path, _NONE, beam, table, part, n, size)
 
 
@@ -208,7 +211,8 @@ def _leave(
     path: Any, leaves: int, beam: Any, table: Any, part: int, n: int, size: Any, rules: Any, done: Any
 ) -> Any:  # fmt: skip
     """Write a polygon that leaves into the list, cut at the ground if that is asked for; return its area."""
-    if not (rules.cut_at_ground and is_cut_by_ground(table[part], n, beam, rules.ground)):
+    cuts = rules.cut_at_ground and path.partial == 0
+    if not (cuts and is_cut_by_ground(table[part], n, beam, rules.ground)):
         add(done, EXITED, path, leaves, beam, table, part, n, size)
         return real(size)
     written = 0.0
@@ -258,13 +262,15 @@ def follow_polygons(solid: Any, rules: Any, seen: float, limits: Any, work: Any)
         count = planes_ahead(solid.columns, beam, table[2], n, work.ahead)
         if not has_room(n, count, walls.shape[0], done.used, waiting.used, used, work.room):
             return False
-        path, left = Path(facts[2], facts[3], facts[4]), real(size)
+        path = Path(facts[2], facts[3], facts[4], facts[6], real(waiting.numbers[top, BEAM + 1]))
+        left = real(size)
         waiting.used[0], waiting.used[1] = first, top
 
         held = NODE_BYTES * used[0] + CORNER_BYTES * done.used[0] + POLYGON_BYTES * done.used[1]
         too_many = held > limits[1] or (held > 0.5 * limits[1] and left < limits[2] * seen)
         if left < limits[0] * seen or too_many:
-            work.sums[NO_MEMORY if too_many else NO_TIME] += left
+            if path.partial == 0:
+                work.sums[NO_MEMORY if too_many else NO_TIME] += left
             add(done, GIRDLE_CELL, path, _NONE, beam, table, _WHOLE, n, size)
             continue
 
@@ -288,21 +294,29 @@ def follow_polygons(solid: Any, rules: Any, seen: float, limits: Any, work: Any)
             nodes[here, 0], nodes[here, 1] = path.node, i
             used[0] = here + 1
             cos = nx * beam.dx + ny * beam.dy + nz * beam.dz
+            partial, weight = path.partial, path.weight
             if not is_total(cos, index):
-                dx, dy, dz, _, _ = into_air(beam.dx, beam.dy, beam.dz, nx, ny, nz, index)
-                met, ends = turned(met, dx, dy, dz), Path(here, path.reflections, path.entry)
-                left -= _leave(ends, i, met, table, part, m, size, rules, done)
-                continue
-            left -= real(size)
+                dx, dy, dz, cos_air, _ = into_air(beam.dx, beam.dy, beam.dz, nx, ny, nz, index)
+                ends = Path(here, path.reflections, path.entry, partial, weight)
+                left -= _leave(ends, i, turned(met, dx, dy, dz), table, part, m, size, rules, done)
+                if not rules.follows_all:
+                    continue
+                partial, weight = partial + 1, weight * reflected_share(cos_air, cos, index)
+            else:
+                left -= real(size)
+            goes_on = Path(here, path.reflections, path.entry, partial, weight)
             # Too small, or too long on its way.
             if real(size) < _LEAST_AREA or path.reflections >= rules.max_reflections:
-                ends = Path(here, path.reflections, path.entry)
-                add(done, TRAPPED, ends, _NONE, met, table, part, m, size)
+                add(done, TRAPPED, goes_on, _NONE, met, table, part, m, size)
                 continue
             dx, dy, dz = beam.dx - 2.0 * cos * nx, beam.dy - 2.0 * cos * ny, beam.dz - 2.0 * cos * nz
-            goes_on = Path(here, path.reflections + 1, path.entry)
-            add(waiting, _WAITS, goes_on, _NONE, turned(met, dx, dy, dz), table, part, m, size)
-        work.sums[UNACCOUNTED] += max(left, 0.0)
+            goes_on = Path(here, path.reflections + 1, path.entry, partial, weight)
+            if partial > 0 and real(size) * weight < rules.least * seen:
+                add(done, GIRDLE_CELL, goes_on, _NONE, turned(met, dx, dy, dz), table, part, m, size)
+            else:
+                add(waiting, _WAITS, goes_on, _NONE, turned(met, dx, dy, dz), table, part, m, size)
+        if path.partial == 0:
+            work.sums[UNACCOUNTED] += max(left, 0.0)
     return True
 
 
@@ -373,6 +387,7 @@ def trace_polygons(
         ends=facts[:, 0],
         facts=facts[:, 1:],
         areas=states[:, BEAM],
+        weights=states[:, BEAM + 1].real,
         beams=states[:, :BEAM],
         nodes=work.nodes[: work.used[0]],
         outlines=outlines,

@@ -64,7 +64,7 @@ def _rays_compiled_beside() -> Iterator[None]:
 def compile_rays() -> None:
     """Compile the kernels of single rays, and keep them on disk."""
     convex, view, model = beam_stone(_sample()), View(resolution=1), Model()
-    rays, points = np.zeros(2, ray_kernels.RAY), np.zeros((2, 4))[:, :2]  # as `rim_points` gives them
+    rays, points = ray_kernels.empty_rays(2), np.zeros((2, 4))[:, :2]  # as `rim_points` gives them
     ray_kernels.enter_rays(points, view.basis(), convex.solid, convex.facet, model.index, rays)
     ray_kernels.follow_rays(convex.solid, convex.facet, model.index, model.max_reflections, rays)
     covered, ends = np.empty((0, 2)), np.zeros(len(convex.solid.planes), dtype=np.int64)

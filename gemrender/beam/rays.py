@@ -9,48 +9,75 @@ makes room for the next one.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from gemrender.beam.compiled import jit, jit_fast, jit_inner
-from gemrender.beam.crossing import PARALLEL, into_air
+from gemrender.beam.crossing import PARALLEL, into_air, reflected_share
 from gemrender.observation import PATH_CODE_FACTOR, PATH_CODE_MASK, RayStatus
 from gemrender.optics.fresnel import LEAST_TOTAL
 from gemrender.paths import Paths
 from gemrender.stone import Stone
 
-__all__ = ["INSIDE", "RAY", "enter_rays", "follow_rays", "ray_paths"]
+__all__ = ["INSIDE", "STATUS", "Rays", "empty_rays", "enter_rays", "follow_rays", "ray_paths"]
 
-#: A ray: `RayStatus`, or `INSIDE` while it is followed; total reflections so far; facet through which it
-#: enters (on the eye's side), and surface through which it leaves, -1 for none; code of its path; cosines of
-#: the angles in air at both; where it leaves, point [girdle radius] and unit direction, and while it is
-#: inside where it is.
-RAY = np.dtype(
-    [
-        ("status", np.int64), ("reflections", np.int64), ("entry", np.int64), ("exit", np.int64),
-        ("path_code", np.int64), ("cos_entry", np.float64), ("cos_exit", np.float64),
-        ("point", np.float64, (3,)), ("direction", np.float64, (3,)),
-    ]
-)  # fmt: skip
+
+class Rays(NamedTuple):
+    """Rays, in columns of n; where all light is followed, of 2 n: those after n are of later exits.
+
+    numbers : (m, n) float64
+        Rows: position [girdle radius] and direction (of a ray that has left, where and in which it did),
+        cosines of the angles in air where the ray enters and leaves; where all light is followed, also its
+        weight (`Paths`), a factor (1 over the probability of having been chosen), the normal where it enters,
+        and the matrix that unfolds its reflections, row by row (of a ray that has left, first
+        the normal there, unfolded).
+    facts : (6, n) int64
+        Rows: `RayStatus`, or `INSIDE` while the ray is followed; reflections, and partial ones; facet of
+        entry, and surface of exit (-1 for none); code of the path.
+    random : (n,) uint64
+        State of each ray's random numbers, never 0; (0,) where only principal light is followed.
+    """
+
+    numbers: Any
+    facts: Any
+    random: Any
+
+
 #: Status of a ray that is still followed.
 INSIDE = -1
+#: Rows of `Rays`.
+POINT, DIRECTION, COS_ENTRY, COS_EXIT, WEIGHT, FACTOR, NORMAL, UNFOLD = 0, 3, 6, 7, 8, 9, 10, 13
+_NUMBERS, _NUMBERS_OF_ALL = 8, 22
+STATUS, REFLECTIONS, PARTIAL, ENTRY, EXIT, CODE = range(6)
+_FACTS = 6
 
 #: Rays side by side, and how many of them one vector instruction takes at the most.
 _LANES, _VECTOR = 32, 8
-#: The rows of a block of rays inside the stone: position, direction, then of the nearest plane so far the gap
-#: along its normal and the cosine (their ratio is the distance), and its number; then the surface that they
-#: have met (-1 for none), and whether it has let them out, with 1 for yes.
-_X, _Y, _Z, _DX, _DY, _DZ, _GAP, _SLOPE, _PLANE, _MET, _OUT = (row * _LANES for row in range(11))
-_ROWS, _STATE = 11, 6
+#: The rows of a block of rays inside the stone: position, direction, weight, factor, and the matrix that
+#: unfolds; then of the nearest plane so far the gap along its normal and the cosine (their ratio is the
+#: distance), and its number; then the surface that they have met (-1 for none), whether it has let them out,
+#: with 1 for yes, and its normal.
+_X, _Y, _Z, _DX, _DY, _DZ = (row * _LANES for row in range(6))
+_WEIGHT, _FACTOR, _UNFOLD = (row * _LANES for row in range(6, 9))
+_GAP, _SLOPE, _PLANE, _MET, _OUT, _NX, _NY, _NZ = (row * _LANES for row in range(17, 25))
+_ROWS, _STATE, _STATE_OF_ALL = 25, 6, 17
 #: The rows of a block of rays that arrive: first, as above, position and direction inside; then place in the
 #: view, distances at which the half-spaces begin and end (from the plane through the origin across the view),
-#: the surface that they enter through (-1 for those that miss), and the cosine of the angle in air.
-_U, _V, _T_IN, _T_OUT, _ENTRY, _COS = (row * _LANES for row in range(_STATE, _STATE + 6))
-_ARRIVING_ROWS = _STATE + 6
+#: the surface that they enter through (-1 for those that miss), the cosine of the angle in air, and the
+#: normal.
+_U, _V, _T_IN, _T_OUT, _ENTRY, _COS, _IN_X, _IN_Y, _IN_Z = (row * _LANES for row in range(6, 15))
+_ARRIVING_ROWS = 15
 
 _MISSED, _EXITED = int(RayStatus.MISSED), int(RayStatus.EXITED)
 _TRAPPED, _LOST = int(RayStatus.TRAPPED), int(RayStatus.LOST)
+
+
+def empty_rays(n: int, random: np.ndarray | None = None) -> Rays:
+    """Return n rays that have met nothing; for all light, if states of random numbers (n,) are given."""
+    if random is None or not len(random):
+        return Rays(np.zeros((_NUMBERS, n)), np.zeros((_FACTS, n), np.int64), np.empty(0, np.uint64))
+    return Rays(np.zeros((_NUMBERS_OF_ALL, 2 * n)), np.zeros((_FACTS, 2 * n), np.int64), random)
 
 
 @jit_fast
@@ -143,6 +170,7 @@ def _enter(planes: Any, is_round: bool, basis: Any, index: float, n: int, arrivi
         arriving[_X + k], arriving[_Y + k], arriving[_Z + k] = x, y, z
         arriving[_DX + k], arriving[_DY + k] = tx - cos_stone * nx, ty - cos_stone * ny
         arriving[_DZ + k], arriving[_COS + k] = tz - cos_stone * nz, cos_air
+        arriving[_IN_X + k], arriving[_IN_Y + k], arriving[_IN_Z + k] = nx, ny, nz
         arriving[_ENTRY + k] = -1.0 if misses else float(entry)
 
 
@@ -175,6 +203,19 @@ def _meet(planes: Any, is_round: bool, index: float, n: int, block: Any) -> None
         block[_DX + k], block[_DY + k], block[_DZ + k] = dx - twice * nx, dy - twice * ny, dz - twice * nz
         block[_MET + k] = surface if found else -1.0
         block[_OUT + k] = 0.0 if reflected else 1.0
+        block[_NX + k], block[_NY + k], block[_NZ + k] = nx, ny, nz
+
+
+@jit_fast
+def _unfold(n: int, block: Any) -> None:
+    """Add the mirror of the surface that each ray has met to the matrix that unfolds its reflections."""
+    for row in range(_UNFOLD, _UNFOLD + 9 * _LANES, 3 * _LANES):
+        for k in range(n):
+            nx, ny, nz = block[_NX + k], block[_NY + k], block[_NZ + k]
+            a, b, c = block[row + k], block[row + _LANES + k], block[row + 2 * _LANES + k]
+            twice = 2.0 * (a * nx + b * ny + c * nz)
+            block[row + k], block[row + _LANES + k] = a - twice * nx, b - twice * ny
+            block[row + 2 * _LANES + k] = c - twice * nz
 
 
 @jit_inner
@@ -183,27 +224,63 @@ def _next_code(code: int, facet: int) -> int:
 
 
 @jit_inner
-def _leave(planes: Any, index: float, block: Any, k: int, surface: int, ray: Any) -> None:
-    """Refract a ray out of the stone through the surface that it has come to."""
-    x, y, z = block[_X + k], block[_Y + k], block[_Z + k]
-    if surface < planes.shape[0]:
-        nx, ny, nz = planes[surface, 0], planes[surface, 1], planes[surface, 2]
-    else:
-        r = math.sqrt(x * x + y * y)
-        nx, ny, nz = x / r, y / r, 0.0
-    dx, dy, dz, cos_air, _ = into_air(
-        block[_DX + k], block[_DY + k], block[_DZ + k], nx, ny, nz, index
-    )  # fmt: skip
-    ray.exit, ray.cos_exit = surface, cos_air
-    ray.point[0], ray.point[1], ray.point[2] = x, y, z
-    ray.direction[0], ray.direction[1], ray.direction[2] = dx, dy, dz
+def _random(states: Any, k: int) -> float:
+    """Return a random number from 0 to below 1 (Marsaglia's xorshift64, with Vigna's multiplier)."""
+    x = states[k]
+    x ^= x >> np.uint64(12)
+    x ^= x << np.uint64(25)
+    x ^= x >> np.uint64(27)
+    states[k] = x
+    return float((x * np.uint64(0x2545F4914F6CDD1D)) >> np.uint64(11)) * 2.0**-53
 
 
 @jit_inner
-def _move(block: Any, k: int, to: int) -> None:
-    """Copy position and direction of a ray to another place of its block."""
-    for row in range(_STATE):
-        block[row * _LANES + to] = block[row * _LANES + k]
+def _leave(index: float, block: Any, k: int, rays: Any, column: int, is_of_all: bool) -> None:
+    """Write a ray that leaves the stone through the surface that it has come to into a column."""
+    numbers, facts = rays.numbers, rays.facts
+    nx, ny, nz = block[_NX + k], block[_NY + k], block[_NZ + k]
+    dx, dy, dz, cos_air, _ = into_air(block[_DX + k], block[_DY + k], block[_DZ + k], nx, ny, nz, index)
+    for j in range(3):
+        numbers[POINT + j, column] = block[_X + j * _LANES + k]
+    numbers[DIRECTION, column], numbers[DIRECTION + 1, column], numbers[DIRECTION + 2, column] = dx, dy, dz
+    numbers[COS_EXIT, column] = cos_air
+    facts[EXIT, column], facts[STATUS, column] = int(block[_MET + k]), _EXITED
+    if is_of_all:
+        for j in range(3):
+            row = _UNFOLD + 3 * j * _LANES + k
+            unfolded = block[row] * nx + block[row + _LANES] * ny + block[row + 2 * _LANES] * nz
+            numbers[UNFOLD + j, column] = unfolded
+
+
+@jit_inner
+def _divide(index: float, block: Any, k: int, rays: Any, column: int) -> int:
+    """Divide a ray where all light is followed; return the column of what goes on, or that where it ends."""
+    numbers, facts, later = rays.numbers, rays.facts, len(rays.random)
+    dx, dy, dz = block[_DX + k], block[_DY + k], block[_DZ + k]
+    nx, ny, nz = block[_NX + k], block[_NY + k], block[_NZ + k]
+    cos_stone = dx * nx + dy * ny + dz * nz
+    cos_air = math.sqrt(max(1.0 - index * index * (1.0 - cos_stone * cos_stone), 0.0))
+    reflected, on = reflected_share(cos_air, cos_stone, index), column
+    if facts[PARTIAL, column] > 0:
+        leaves = _random(rays.random, column % later) >= reflected
+        block[_FACTOR + k] /= 1.0 - reflected if leaves else reflected
+        if leaves:
+            _leave(index, block, k, rays, column, True)
+            return column
+    else:  # principal light leaves; later light has a column of its own
+        _leave(index, block, k, rays, column, True)
+        numbers[WEIGHT, column], numbers[FACTOR, column] = block[_WEIGHT + k], block[_FACTOR + k]
+        on = column + later
+        facts[STATUS, on], facts[EXIT, on] = INSIDE, -1
+        facts[REFLECTIONS, on], facts[ENTRY, on] = facts[REFLECTIONS, column], facts[ENTRY, column]
+        facts[CODE, on], numbers[COS_ENTRY, on] = facts[CODE, column], numbers[COS_ENTRY, column]
+        for row in range(NORMAL, UNFOLD):
+            numbers[row, on] = numbers[row, column]
+    facts[PARTIAL, on] += 1
+    block[_WEIGHT + k] *= reflected
+    twice = 2.0 * cos_stone
+    block[_DX + k], block[_DY + k], block[_DZ + k] = dx - twice * nx, dy - twice * ny, dz - twice * nz
+    return on
 
 
 @jit
@@ -222,28 +299,40 @@ def enter_rays(points: Any, basis: Any, solid: Any, facet: Any, index: float, ra
         The facet that each surface belongs to.
     index : float
         Refractive index.
-    rays : (n,) array of `RAY`
-        The rays are written here: `INSIDE`, or missed.
+    rays : Rays
+        n empty rays, which are written: `INSIDE`, or missed.
     """
     planes, arriving = solid.values, np.zeros(_ARRIVING_ROWS * _LANES)
+    numbers, facts = rays.numbers, rays.facts
     for first in range(0, len(points), _LANES):
         n = min(_LANES, len(points) - first)
         _entries(planes, basis, points, first, n, arriving)
         _enter(planes, solid.is_round, basis, index, n, arriving)
         for k in range(n):
-            ray, entry = rays[first + k], int(arriving[_ENTRY + k])
-            ray.status = INSIDE if entry >= 0 else _MISSED
-            ray.reflections, ray.entry, ray.exit = 0, facet[entry] if entry >= 0 else -1, -1
-            ray.path_code = _next_code(0, facet[entry]) if entry >= 0 else 0
-            ray.cos_entry, ray.cos_exit = arriving[_COS + k] if entry >= 0 else 0.0, 0.0
-            for j in range(3):
-                ray.point[j] = arriving[_X + j * _LANES + k] if entry >= 0 else 0.0
-                ray.direction[j] = arriving[_DX + j * _LANES + k] if entry >= 0 else 0.0
+            ray, entry = first + k, int(arriving[_ENTRY + k])
+            facts[EXIT, ray] = -1
+            if entry < 0:
+                facts[STATUS, ray], facts[ENTRY, ray] = _MISSED, -1
+                continue
+            facts[STATUS, ray], facts[ENTRY, ray] = INSIDE, facet[entry]
+            facts[CODE, ray] = _next_code(0, facet[entry])
+            numbers[COS_ENTRY, ray] = arriving[_COS + k]
+            for j in range(6):
+                numbers[POINT + j, ray] = arriving[_X + j * _LANES + k]
+            if len(rays.random):
+                numbers[WEIGHT, ray] = numbers[FACTOR, ray] = 1.0
+                for j in range(3):
+                    numbers[NORMAL + j, ray] = arriving[_IN_X + j * _LANES + k]
+                    numbers[UNFOLD + 4 * j, ray] = 1.0
 
 
 @jit
 def follow_rays(solid: Any, facet: Any, index: float, max_reflections: int, rays: Any) -> int:
     """Follow rays that are inside a stone until they leave.
+
+    Where all light is followed, what is reflected at the first exit (of principal light) goes on, and at each
+    surface below the critical angle leaves with the probability T = 1 - R, or else goes on; where it leaves
+    is written into the column of later exits.
 
     Parameters
     ----------
@@ -251,7 +340,7 @@ def follow_rays(solid: Any, facet: Any, index: float, max_reflections: int, rays
         As for `enter_rays`.
     max_reflections : int
         Total reflections after which a ray is trapped.
-    rays : (n,) array of `RAY`
+    rays : Rays
         The rays, which are changed; those that are not `INSIDE` are left as they are.
 
     Returns
@@ -259,17 +348,19 @@ def follow_rays(solid: Any, facet: Any, index: float, max_reflections: int, rays
     int
         Surfaces that they have met, all together.
     """
-    planes, is_round = solid.values, solid.is_round
+    planes, is_round, numbers, facts = solid.values, solid.is_round, rays.numbers, rays.facts
+    later = len(rays.random)
+    total, state = (later, _STATE_OF_ALL) if later else (facts.shape[1], _STATE)
     block = np.zeros(_ROWS * _LANES)
-    of = np.empty(_LANES, np.int64)  # the ray at each place of the block
+    of = np.empty(_LANES, np.int64)  # the column of the ray at each place of the block
     ahead, n, met = 0, 0, 0
     while True:
-        while n < _LANES and ahead < len(rays):
-            ray = rays[ahead]
-            if ray.status == INSIDE:
-                for j in range(3):
-                    block[_X + j * _LANES + n] = ray.point[j]
-                    block[_DX + j * _LANES + n] = ray.direction[j]
+        while n < _LANES and ahead < total:
+            if facts[STATUS, ahead] == INSIDE:
+                for row in range(6):
+                    block[row * _LANES + n] = numbers[POINT + row, ahead]
+                for row in range(6, state):
+                    block[row * _LANES + n] = numbers[(WEIGHT - 6 if row < 8 else UNFOLD - 8) + row, ahead]
                 of[n] = ahead
                 n += 1
             ahead += 1
@@ -279,39 +370,67 @@ def follow_rays(solid: Any, facet: Any, index: float, max_reflections: int, rays
         _nearest_planes(planes, block, whole)
         _meet(planes, is_round, index, whole, block)
         met += n
-        for k in range(n - 1, -1, -1):
-            ray, surface, out = rays[of[k]], int(block[_MET + k]), block[_OUT + k] == 1.0
-            if surface >= 0:
-                ray.path_code = _next_code(ray.path_code, facet[surface])
-                if not out and ray.reflections < max_reflections:
-                    ray.reflections += 1
-                    continue
+        for k in range(n):
+            column, surface = of[k], int(block[_MET + k])
             if surface < 0:
-                ray.status = _LOST
-            elif out:
-                ray.status = _EXITED
-                _leave(planes, index, block, k, surface, ray)
+                facts[STATUS, column] = _LOST
             else:
-                ray.status = _TRAPPED
-            n -= 1  # the last ray takes its place
-            of[k] = of[n]
-            _move(block, n, k)
+                facts[CODE, column] = _next_code(facts[CODE, column], facet[surface])
+                if block[_OUT + k] == 1.0:
+                    if later:
+                        column = _divide(index, block, k, rays, column)
+                    else:
+                        _leave(index, block, k, rays, column, False)
+            if facts[STATUS, column] == INSIDE:
+                if facts[REFLECTIONS, column] < max_reflections:
+                    facts[REFLECTIONS, column] += 1
+                    of[k] = column
+                    continue
+                facts[STATUS, column] = _TRAPPED
+            if later:
+                numbers[WEIGHT, column], numbers[FACTOR, column] = block[_WEIGHT + k], block[_FACTOR + k]
+            of[k] = -1
+        if later:
+            _unfold(whole, block)
+        for k in range(n - 1, -1, -1):
+            if of[k] < 0:
+                n -= 1  # the last ray takes its place
+                of[k] = of[n]
+                for row in range(state):
+                    block[row * _LANES + k] = block[row * _LANES + n]
 
 
-def ray_paths(rays: np.ndarray, facet: np.ndarray, area: np.ndarray, stone: Stone) -> Paths:
-    """Return rays (n,) that have been followed as paths, each of which stands for an area (n,)."""
-    exits = rays["status"] == RayStatus.EXITED
+def ray_paths(rays: Rays, facet: np.ndarray, area: np.ndarray, stone: Stone) -> Paths:
+    """Return rays that have been followed as paths.
+
+    Parameters
+    ----------
+    rays : Rays
+        The rays.
+    facet : (p + 1,) int64
+        The facet that each surface belongs to.
+    area : (n,) float64
+        Area that each stands for; where all light was followed, later exits (n more) the same.
+    stone : Stone
+        What was traced.
+    """
+    numbers, facts = rays.numbers, rays.facts
+    exits, has_all = facts[STATUS] == RayStatus.EXITED, len(rays.random) > 0
+    if has_all:
+        area = np.concatenate([area, area]) * numbers[FACTOR]
     return Paths(
         area=area,
-        weight=np.ones(len(rays)),
-        status=rays["status"],
-        reflections=rays["reflections"],
-        partial_reflections=np.zeros(len(rays), dtype=np.int64),
-        entry_facet=rays["entry"],
-        exit_facet=np.where(exits, facet[rays["exit"]], -1),
-        cos_entry=rays["cos_entry"],
-        cos_exit=rays["cos_exit"],
-        exit_point=rays["point"],
-        exit_direction=rays["direction"],
+        weight=numbers[WEIGHT] if has_all else np.ones(len(area)),
+        status=facts[STATUS],
+        reflections=facts[REFLECTIONS],
+        partial_reflections=facts[PARTIAL],
+        entry_facet=facts[ENTRY],
+        exit_facet=np.where(exits, facet[facts[EXIT]], -1),
+        cos_entry=numbers[COS_ENTRY],
+        cos_exit=numbers[COS_EXIT],
+        exit_point=numbers[POINT:DIRECTION].T,
+        exit_direction=numbers[DIRECTION:COS_ENTRY].T,
+        entry_normal=numbers[NORMAL:UNFOLD].T if has_all else None,
+        unfolded_exit_normal=numbers[UNFOLD : UNFOLD + 3].T if has_all else None,
         stone=stone,
     )

@@ -14,6 +14,8 @@ class Rules(NamedTuple):
     max_reflections: int
     cut_at_ground: bool  # whether polygons that leave are cut along z = ground
     ground: float
+    follows_all: bool  # whether what is reflected below the critical angle goes on
+    least: float  # area x weight below which it becomes a cell, for single rays to follow [share of the view]
 
 
 class Solid(NamedTuple):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from gemrender.measures.measure import Light, Measure
 from gemrender.observation import Model, RayStatus
 from gemrender.optics.fresnel import transmittance
 from gemrender.paths import Paths
@@ -18,6 +19,7 @@ __all__ = [
     "N_SUMS",
     "REAR",
     "TRAPPED",
+    "Inoue",
     "path_intensity",
     "primary_intensity",
     "rear_mask",
@@ -69,8 +71,11 @@ def path_intensity(cos_entry: np.ndarray, cos_exit: np.ndarray, model: Model) ->
 
 
 def primary_intensity(paths: Paths, model: Model, rear: np.ndarray) -> np.ndarray:
-    """Return the intensity of each path, (n,), 0 to 1; 0 for rear light (n,) bool, and without an exit."""
-    lit = np.flatnonzero((paths.status == RayStatus.EXITED) & ~rear)
+    """Return the intensity of each principal path, (n,), 0 to 1.
+
+    It is 0 for rear light (n,) bool, without an exit, and of light that has been reflected in part.
+    """
+    lit = np.flatnonzero((paths.status == RayStatus.EXITED) & ~rear & (paths.partial_reflections == 0))
     out = np.zeros(len(paths), dtype=paths.cos_exit.dtype)
     out[lit] = path_intensity(paths.cos_entry[lit], paths.cos_exit[lit], model)
     return out
@@ -83,7 +88,7 @@ def sum_up(
     sets: np.ndarray | None = None,
     n_sets: int = 1,
 ) -> np.ndarray:
-    """Sum up areas by what became of the light, each set of paths by itself.
+    """Sum up areas by what became of the principal light, each set of paths by itself.
 
     Parameters
     ----------
@@ -102,12 +107,44 @@ def sum_up(
     out = np.zeros((n_sets, N_SUMS))
     sets = np.zeros(len(paths), dtype=np.int64) if sets is None else sets
     out[:, INTENSITY] = np.bincount(sets, paths.area * intensity, n_sets)
-    column = BANDS + np.searchsorted(-np.array(BAND_EDGES), -intensity, side="left")
-    column[rear] = REAR
-    column[paths.status == RayStatus.TRAPPED] = TRAPPED
-    column[paths.status == RayStatus.LOST] = LOST
-    met = np.flatnonzero(paths.status != RayStatus.MISSED)
+    column = _columns(paths, rear, intensity)
+    met = np.flatnonzero((paths.status != RayStatus.MISSED) & (paths.partial_reflections == 0))
     by_column = np.bincount(sets[met] * N_SUMS + column[met], paths.area[met], n_sets * N_SUMS)
     out += by_column.reshape(n_sets, N_SUMS)
     out[:, MET] = np.bincount(sets[met], paths.area[met], n_sets)
     return out
+
+
+def _columns(paths: Paths, rear: np.ndarray, intensity: np.ndarray) -> np.ndarray:
+    """Return the sum that the area of each path belongs to, (n,): REAR, TRAPPED, LOST or a band's."""
+    column = BANDS + np.searchsorted(-np.array(BAND_EDGES), -intensity, side="left")
+    column[rear] = REAR
+    column[paths.status == RayStatus.TRAPPED] = TRAPPED
+    column[paths.status == RayStatus.LOST] = LOST
+    return np.asarray(column)
+
+
+class Inoue(Measure):
+    """The paper's score, by the rules of the model: Average, Rear, and shares by intensity."""
+
+    name, version = "inoue", 1
+    definition = (
+        "mean primary intensity T S T S of the principal light, by the model's transmittances T and "
+        "cross-sections S, rear light counted as 0 (average); rear, trapped and lost light, and bands of "
+        "intensity, as shares of the view"
+    )
+    source = "Inoue's paper (docs/model.md)"
+    keys = ("average", "rear", "trapped", "lost", *(f"band_{100 * edge:.0f}" for edge in (*BAND_EDGES, 0.0)))
+    follow = "principal"
+    is_axial = True
+
+    def contributions(self, light: Light) -> np.ndarray:
+        """Return the intensity (0 to 1), and 1 for the share that each path belongs to, (n, 10)."""
+        rear = rear_mask(light.paths, light.model)
+        # Of other rows than these nothing is asked.
+        intensity = primary_intensity(light.paths, light.model, rear | ~light.is_principal).real
+        out = np.zeros((MET, len(light))).T  # by columns
+        rows = np.flatnonzero(light.is_principal)
+        out[rows, _columns(light.paths, rear, intensity)[rows]] = 1.0
+        out[rows, INTENSITY] = intensity[rows]
+        return out

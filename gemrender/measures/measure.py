@@ -15,6 +15,7 @@ One of your own is a class with a `contributions` method::
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -25,7 +26,7 @@ from gemrender.observation import Model, RayStatus, View
 from gemrender.optics.fresnel import reflectance, transmittance
 from gemrender.paths import Paths
 
-__all__ = ["HEAD_DEG", "Light", "Measure"]
+__all__ = ["HEAD_DEG", "TIE", "Light", "Measure", "in_columns", "is_above", "is_tied"]
 
 #: Half the angle at which the viewer's head is seen from the stone [deg].
 HEAD_DEG = 10.0
@@ -65,6 +66,23 @@ class Light:
         """(n,) bool: principal paths, which have met the stone: their areas make the view."""
         return np.asarray((self.paths.partial_reflections == 0) & (self.paths.status != RayStatus.MISSED))
 
+    def leaves_by(self, side: str) -> np.ndarray:
+        """Tell which leave through a facet of the side "crown", "girdle" or "pavilion", (n,) bool."""
+        return np.asarray(self.is_exit & self._on_side(self.paths.exit_facet, side))
+
+    def enters_by(self, side: str) -> np.ndarray:
+        """Tell which enter through a facet of that side, (n,) bool."""
+        met = self.paths.status != RayStatus.MISSED
+        return np.asarray(met & self._on_side(self.paths.entry_facet, side))
+
+    def _on_side(self, facet: np.ndarray, side: str) -> np.ndarray:
+        return np.asarray(np.array([of == side for of in self.paths.stone.facet_sides])[facet])
+
+    @cached_property
+    def head_cosine(self) -> float:
+        """Cosine of the edge of the viewer's head; infinite without a head, which then hides nothing."""
+        return math.cos(math.radians(self.head_deg)) if self.head_deg else math.inf
+
     @cached_property
     def zenith_cosine(self) -> np.ndarray:
         """(n,) cosine of the exit direction with the viewer's zenith: the direction to the eye; -1 to 1."""
@@ -95,9 +113,51 @@ class Light:
         return np.asarray(np.where(met, reflectance(cos, self.model.index), 0.0))
 
     @cached_property
+    def sky_share(self) -> np.ndarray:
+        """(n,) `share` of what comes from the open sky, between the horizon and the head; else 0."""
+        return np.asarray(np.where(self._is_open(self.zenith_cosine), self.share, 0.0))
+
+    @cached_property
+    def mirrored_sky(self) -> np.ndarray:
+        """(n,) reflectance where the facet of entry mirrors the open sky, on principal rows; else 0."""
+        is_lit = self.is_principal & self._is_open(self.mirror_cosine)
+        return np.asarray(np.where(is_lit, self.surface_reflectance, 0.0))
+
+    def _is_open(self, cosine: np.ndarray) -> np.ndarray:
+        return np.asarray(is_above(cosine, 0.0) & (cosine < self.head_cosine - TIE))
+
+    @cached_property
+    def sky_ties(self) -> tuple[np.ndarray, np.ndarray]:
+        """Both (n,): `share`, and what is mirrored, of what is at the edge of horizon or head."""
+        limits = 0.0, self.head_cosine
+        mirrored = self.is_principal & is_tied(self.mirror_cosine, *limits)
+        return (
+            np.where(is_tied(self.zenith_cosine, *limits), self.share, 0.0),
+            np.where(mirrored, self.surface_reflectance, 0.0),
+        )
+
+    @cached_property
     def mirror_cosine(self) -> np.ndarray:
         """(n,) cosine with the viewer's zenith of what the facet of entry mirrors to the eye: 2 cos^2 - 1."""
         return np.asarray(2.0 * self.paths.cos_entry.real**2 - 1.0)
+
+
+def is_above(cosine: np.ndarray, limit: float) -> np.ndarray:
+    """Tell which cosines with the zenith are above a limit, (n,) bool: a tie is not."""
+    return np.asarray(cosine > limit + TIE)
+
+
+def is_tied(cosine: np.ndarray, *limits: float) -> np.ndarray:
+    """Tell which cosines with the zenith are at one of some limits within `TIE`, (n,) bool."""
+    tied = np.zeros(np.shape(cosine), dtype=bool)
+    for limit in limits:
+        tied |= np.abs(cosine - limit) < TIE
+    return tied
+
+
+def in_columns(*columns: np.ndarray) -> np.ndarray:
+    """Return columns (n,) side by side, (n, k) float64, each contiguous in memory, as sums want them."""
+    return np.array(columns, dtype=np.float64).T
 
 
 class Measure:
@@ -115,6 +175,8 @@ class Measure:
         Names of its values; `("value",)` where there is one.
     channels : tuple of str
         Names of what `contributions` yields, in order, which are those of its maps; by default `keys`.
+    unit : str
+        Unit of its values. Rays are followed until values in per cent are within the wanted bound.
     follow : {"principal", "all"}
         The light that it needs.
     is_axial : bool
@@ -130,6 +192,7 @@ class Measure:
     source: str = ""
     keys: tuple[str, ...] = ("value",)
     channels: tuple[str, ...] = ()
+    unit: str = "%"
     follow: str = "all"
     is_axial: bool = False
     views: str = "one"

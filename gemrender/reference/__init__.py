@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from gemrender.reference.path import RayPath, trace_paths
+from gemrender.reference.all_light import paths, paths_by_ray
+from gemrender.reference.path import RayPath, full_paths
 from gemrender.reference.tracer import RayRecord, observe, trace
 
-__all__ = ["RayPath", "RayRecord", "observe", "trace", "trace_paths"]
+__all__ = ["RayPath", "RayRecord", "full_paths", "observe", "paths", "paths_by_ray", "trace"]

@@ -10,7 +10,7 @@ from gemrender.observation import Model, RayStatus, View
 from gemrender.reference.tracer import START_DISTANCE, trace
 from gemrender.stone import Stone
 
-__all__ = ["RayPath", "trace_paths"]
+__all__ = ["RayPath", "full_paths"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -59,7 +59,7 @@ class RayPath:
         return np.asarray(np.degrees(np.arccos(np.clip(np.abs(cos), 0.0, 1.0))))
 
 
-def trace_paths(
+def full_paths(
     stone: Stone, points: np.ndarray, *, view: View | None = None, model: Model | None = None
 ) -> list[RayPath]:
     """Trace the rays through points of a view, and keep their whole paths.

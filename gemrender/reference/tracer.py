@@ -30,7 +30,7 @@ from gemrender.reference.surfaces import Surfaces, surfaces_of
 from gemrender.stone import Stone
 from gemrender.stone.facets import LEVEL
 
-__all__ = ["START_DISTANCE", "RayRecord", "observe", "trace"]
+__all__ = ["BLOCK", "START_DISTANCE", "RayRecord", "into_air", "into_stone", "observe", "trace"]
 
 #: Rays traced at a time: many, because the last few of each block are reflected hundreds of times.
 BLOCK = 1 << 16
@@ -115,7 +115,7 @@ def trace(
     normal, o, d = hit.normal[ray], origin[ray], direction[ray]
     cos_air = -np.einsum("ij,ij->i", d, normal)
     o = o + hit.distance[ray, None] * d
-    before, d = d, _into_stone(d, normal, model.index)
+    before, d = d, into_stone(d, normal, model.index)
     if on_surface is not None:
         on_surface(ray, o, hit.facet[ray], normal, before, d)
     cos_stone = -np.einsum("ij,ij->i", d, normal)
@@ -137,7 +137,7 @@ def trace(
         cos_stone = np.einsum("ij,ij->i", d, normal)
         exits = ~is_totally_reflected(cos_stone, model.index)
         out = ray[exits]
-        d_out, cos_out = _into_air(d[exits], normal[exits], model.index)
+        d_out, cos_out = into_air(d[exits], normal[exits], model.index)
         entering = _crossing_factor(cos_out, cos_stone[exits], model, towards_eye=False)
         record.status[out] = RayStatus.EXITED
         record.exit_point[out] = o[exits]
@@ -237,14 +237,14 @@ def observe(
     )
 
 
-def _into_stone(d: np.ndarray, normal: np.ndarray, index: float) -> np.ndarray:
+def into_stone(d: np.ndarray, normal: np.ndarray, index: float) -> np.ndarray:
     """Snell's law from air into the stone: tangential components divided by n (equation (2))."""
     tangential = (d - np.einsum("ij,ij->i", d, normal)[:, None] * normal) / index
     cos = np.sqrt(1.0 - np.einsum("ij,ij->i", tangential, tangential))
     return np.asarray(tangential - cos[:, None] * normal)
 
 
-def _into_air(d: np.ndarray, normal: np.ndarray, index: float) -> tuple[np.ndarray, np.ndarray]:
+def into_air(d: np.ndarray, normal: np.ndarray, index: float) -> tuple[np.ndarray, np.ndarray]:
     """Snell's law from the stone into air: tangential components times n (equation (4)); the cosine too."""
     tangential = (d - np.einsum("ij,ij->i", d, normal)[:, None] * normal) * index
     cos = np.sqrt(np.maximum(1.0 - np.einsum("ij,ij->i", tangential, tangential), 0.0))

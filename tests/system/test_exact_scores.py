@@ -25,7 +25,7 @@ from gemrender.cuts import load_stone
 from gemrender.cuts.random import random_brilliant
 from gemrender.engines import observe
 from gemrender.observation import Model
-from gemrender.reference import trace_paths
+from gemrender.reference import full_paths
 from gemrender.scoring import score_pixels
 
 #: Girdles above this [%] are nowhere so thin that crown and pavilion meet within the circle.
@@ -54,7 +54,7 @@ def test01_polygons_tile_the_view_and_have_the_references_paths(part):
         radius, azimuth = 0.99 * np.sqrt(rng.random(POINTS)), 2 * np.pi * rng.random(POINTS)
         points = np.column_stack([radius * np.cos(azimuth), radius * np.sin(azimuth)])
         held = owners(facets, points, EDGE)
-        for ray, owner in zip(trace_paths(stone, points, model=model), held, strict=True):
+        for ray, owner in zip(full_paths(stone, points, model=model), held, strict=True):
             if not owner:  # on an edge
                 continue
             assert len(owner) == 1, f"{stone.name}: ({ray.x}, {ray.y}) lies in {len(owner)} polygons"

@@ -24,7 +24,7 @@ from gemrender.cuts import load_stone, stone_from_vertices
 from gemrender.engines import observe as observe_by
 from gemrender.errors import InputError
 from gemrender.observation import PATH_CODE_FACTOR, PATH_CODE_MASK, Observation, RayStatus, View
-from gemrender.reference import observe, trace_paths
+from gemrender.reference import full_paths, observe
 from gemrender.reference.path import RayPath
 from gemrender.report.page import INTENSITY_STEPS, MAP_PIXELS, MOST_STONES, report_html, write_report
 from gemrender.scoring import score_observation
@@ -170,7 +170,7 @@ def opened(browser) -> Iterator[Any]:
 
 def expected_path(seen: dict[str, Any], observation: Observation) -> RayPath:
     point = (float(seen["x"]), float(seen["y"]))
-    return trace_paths(observation.stone, [point], view=observation.view, model=observation.model)[0]
+    return full_paths(observation.stone, [point], view=observation.view, model=observation.model)[0]
 
 
 def assert_shown(seen: dict[str, Any], observation: Observation) -> None:

@@ -1,6 +1,6 @@
 """The ray that is shown for a point of the map is the ray that was scored there.
 
-Rationale: rays are drawn by the reference tracer's `trace_paths`; maps are traced pixel by pixel, by Mitsuba
+Rationale: rays are drawn by the reference tracer's `full_paths`; maps are traced pixel by pixel, by Mitsuba
 or by the reference. Expected: for 1000 pixels of each map the path drawn through the pixel's centre has the
 same facet sequence, the same exit facet and the same intensity.
 """
@@ -15,7 +15,7 @@ from displays_help import measured_stone
 from gemrender.cuts import load_stone
 from gemrender.engines import observe
 from gemrender.observation import PATH_CODE_FACTOR, PATH_CODE_MASK, RayStatus
-from gemrender.reference import trace_paths
+from gemrender.reference import full_paths
 from gemrender.report.displays.rays import check_points
 
 PIXELS = 1000
@@ -58,7 +58,7 @@ def shown_and_scored(observation, rng):
     chosen = rng.choice(len(row), PIXELS, replace=False)
     row, column = row[chosen], column[chosen]
     x, y = observation.view.cell_centres()
-    paths = trace_paths(
+    paths = full_paths(
         observation.stone,
         np.stack([x[column], y[row]], axis=1),
         view=observation.view,
@@ -111,7 +111,7 @@ def test03_every_rule_of_the_model(rear, intensity, rng):
 
 
 def test04_the_display_draws_the_paths_that_are_compared_here(rng):
-    """`check_points` hands the display the very paths of `trace_paths`."""
+    """`check_points` hands the display the very paths of `full_paths`."""
     observation = observe(load_stone("inoue-3"), engine="reference", resolution=64)
     paths, _ = shown_and_scored(observation, rng)
     points = [(path.x, path.y) for path in paths[:100]]

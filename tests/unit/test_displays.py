@@ -17,7 +17,7 @@ from gemrender.cuts import RoundBrilliant, bundled_stones, load_stone, stone_fro
 from gemrender.cuts.round_brilliant.topology import FACET_KINDS, GIRDLE, TRIANGLES, VERTEX_LABELS
 from gemrender.errors import InputError
 from gemrender.observation import Model, RayStatus
-from gemrender.reference import trace_paths
+from gemrender.reference import full_paths
 from gemrender.report.brilliant.triangles import visible_triangles
 from gemrender.report.brilliant.vertices import VERTEX_CODES, visible_vertices
 from gemrender.report.dimensions import dimensions
@@ -308,7 +308,7 @@ def test_a_section_lies_within_the_side_view(azimuth, name):
 
 def test_a_ray_is_told_in_full():
     stone = stone_named("inoue-3")
-    [path] = trace_paths(stone, [(0.3, 0.1)])
+    [path] = full_paths(stone, [(0.3, 0.1)])
     figure = draw(stone, "rays", at=[(0.3, 0.1)])
     said = texts(figure)
     assert "The path of a ray" in said
@@ -323,7 +323,7 @@ def test_a_ray_is_told_in_full():
 
 def test_the_drawn_line_is_the_path():
     stone = stone_named("inoue-3")
-    [path] = trace_paths(stone, [(0.3, 0.1)])
+    [path] = full_paths(stone, [(0.3, 0.1)])
     crown, profile, *_ = draw(stone, "rays", at=[(0.3, 0.1)]).axes
     for axes, projection in ((crown, CROWN), (profile, side())):
         lines = [segment for c in axes.collections if c.get_zorder() == 7 for segment in c.get_segments()]
@@ -333,7 +333,7 @@ def test_the_drawn_line_is_the_path():
 
 def test_colours_tell_intensity():
     stone = stone_named("inoue-1")
-    paths = trace_paths(stone, np.random.default_rng(1).uniform(-0.7, 0.7, (300, 2)))
+    paths = full_paths(stone, np.random.default_rng(1).uniform(-0.7, 0.7, (300, 2)))
     rear = [path for path in paths if path.rear]
     lit = sorted(
         (path for path in paths if path.status == RayStatus.EXITED and not path.rear),
@@ -357,7 +357,7 @@ def test_the_red_scale_is_read_without_seeing_red():
 def test_default_points_show_a_bright_a_weak_and_a_rear_ray():
     stone = stone_named("inoue-1")
     points = default_points(stone, Model.of(stone))
-    bright, weak, rear = trace_paths(stone, points)
+    bright, weak, rear = full_paths(stone, points)
     assert bright.primary_intensity > 70 > 40 > weak.primary_intensity > 0
     assert rear.rear
 
@@ -374,7 +374,7 @@ def test_many_points(count):
 
 def test_a_ray_that_is_reflected_often_is_told_in_short():
     stone = stone_named("inoue-2")
-    [path] = trace_paths(stone, [(0.508, 0.193)])
+    [path] = full_paths(stone, [(0.508, 0.193)])
     assert path.reflections > 40
     figure = draw(stone, "rays", at=[(0.508, 0.193)])
     [gap] = [text for text in texts(figure) if "total reflections more" in text]
@@ -390,13 +390,13 @@ def test_a_fan_is_equally_spaced_and_says_its_intensities(azimuth):
     direction = np.array([np.cos(np.radians(azimuth)), np.sin(np.radians(azimuth))])
     assert np.diff(points @ direction) == pytest.approx(2 / 16, abs=1e-4)
     assert points @ (direction[::-1] * (-1, 1)) == pytest.approx(0, abs=1e-12)
-    paths = trace_paths(stone, points)
+    paths = full_paths(stone, points)
     axes = draw(stone, "fan", azimuth_deg=azimuth, rays=16).axes[0]
     assert [text.get_text() for text in axes.texts] == [f"{path.primary_intensity:.0f}" for path in paths]
 
 
 def test_in_a_plane_of_symmetry_the_fan_stays_in_it():
-    paths = trace_paths(stone_named("inoue-3"), fan_points(stone_named("inoue-3"), 0.0, 24))
+    paths = full_paths(stone_named("inoue-3"), fan_points(stone_named("inoue-3"), 0.0, 24))
     assert max(np.abs(path.points[:, 1]).max() for path in paths) < 1e-9
 
 

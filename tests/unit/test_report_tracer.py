@@ -15,7 +15,7 @@ from solids import bent_stone
 
 from gemrender.cuts import load_stone, stone_from_vertices
 from gemrender.observation import REAR_RULES, Model, RayStatus, View
-from gemrender.reference import RayPath, trace_paths
+from gemrender.reference import RayPath, full_paths
 from gemrender.report.page import optics, traced_as, traced_solid
 from gemrender.stone import Stone
 
@@ -111,7 +111,7 @@ def compare(stone: Stone, *, view: View | None = None, model: Model | None = Non
     radius, azimuth = 0.999 * np.sqrt(rng.uniform(0, 1, rays)), rng.uniform(0, 2 * np.pi, rays)
     points = np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth)], axis=1)
     points = np.concatenate([points, [[1.2, 0.1], [0.0, -1.5]]])  # two that miss
-    expected = trace_paths(stone, points, view=view, model=model)
+    expected = full_paths(stone, points, view=view, model=model)
     found = by_javascript(stone, points, view, model)
     parted = 0
     for ours, theirs in zip(found, expected, strict=True):

@@ -8,7 +8,7 @@ import numpy as np
 
 from gemrender.errors import InputError
 from gemrender.observation import Model, RayStatus
-from gemrender.reference import RayPath, trace_paths
+from gemrender.reference import RayPath, full_paths
 from gemrender.report.displays.page import DARK, Page, draw_lines, stone_extent
 from gemrender.report.displays.projection import CROWN, Projection, look_at, section, side
 from gemrender.report.displays.ray_colours import draw_scale, ray_colour, text_colour
@@ -57,7 +57,7 @@ def fan_figure(
     if not np.isfinite(azimuth_deg):
         raise InputError("must be a finite angle [deg]", key="azimuth", value=azimuth_deg)
     points = fan_points(stone, azimuth_deg, rays)
-    paths = trace_paths(stone, points, model=model)
+    paths = full_paths(stone, points, model=model)
     _, high, radius = stone_extent(stone)
     projection = side(azimuth_deg)
     reach = 0.36

@@ -10,7 +10,7 @@ import numpy as np
 
 from gemrender.errors import InputError
 from gemrender.observation import Model, RayStatus
-from gemrender.reference import RayPath, trace_paths
+from gemrender.reference import RayPath, full_paths
 from gemrender.report.dimensions import length_unit
 from gemrender.report.displays.labels import Label, place_labels
 from gemrender.report.displays.page import DARK, Page, draw_lines
@@ -132,7 +132,7 @@ def default_points(stone: Stone, model: Model) -> list[tuple[float, float]]:
     points = np.round(radius[:, None] * np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1), 2)
     paths = [
         path
-        for path in trace_paths(stone, points, model=model)
+        for path in full_paths(stone, points, model=model)
         if path.status == RayStatus.EXITED
         and path.reflections <= FEW_REFLECTIONS
         and np.ptp(path.points, axis=0).min() > LEAST_SPREAD
@@ -166,7 +166,7 @@ def check_points(stone: Stone, at: Sequence[Sequence[float]] | np.ndarray, model
         raise InputError(f"must be two finite numbers [{unit}]", key="at", value=tuple(wrong.tolist()))
     # Far outside nothing is traced: there a ray's start would have no digits left.
     near = np.abs(points).max(axis=1) <= 2 * stone.half_width
-    paths = trace_paths(stone, np.where(near[:, None], points, 10.0), model=model)
+    paths = full_paths(stone, np.where(near[:, None], points, 10.0), model=model)
     for point, path in zip(points, paths, strict=True):
         if path.status == RayStatus.MISSED:
             known = "the girdle's radius" if unit == "girdle radius" else "half its length"

@@ -1,0 +1,130 @@
+"""The cells that no polygon tells, as triangles, and rays spread over them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from gemrender.beam.compiled import jit
+from gemrender.beam.facets import FacetStatus, VirtualFacets
+from gemrender.beam.rays import (
+    COS_ENTRY,
+    DIRECTION,
+    ENTRY,
+    EXIT,
+    FACTOR,
+    INSIDE,
+    NORMAL,
+    PARTIAL,
+    POINT,
+    REFLECTIONS,
+    STATUS,
+    UNFOLD,
+    WEIGHT,
+    Rays,
+    empty_rays,
+)
+
+__all__ = ["Cells"]
+
+
+class Cells:
+    """The girdle cells, as triangles one after the other; their rays go on where the polygons end.
+
+    Parameters
+    ----------
+    facets : VirtualFacets
+        The polygons.
+
+    Attributes
+    ----------
+    area : float
+        Area of all of them, each times its weight [girdle radius^2].
+    """
+
+    def __init__(self, facets: VirtualFacets) -> None:
+        cells = np.flatnonzero(facets.status == FacetStatus.GIRDLE)
+        first, number = facets.starts[cells], (facets.ends - facets.starts)[cells] - 2
+        # Of each cell a fan of triangles about its first corner.
+        self._cell = np.repeat(np.arange(len(cells)), number)
+        apex = np.repeat(first, number)
+        second = apex + 1 + np.arange(len(apex)) - np.repeat(np.cumsum(number) - number, number)
+        self._triangles = facets.corners[np.stack([apex, second, second + 1], axis=1)]
+        a, b = (self._triangles[:, k] - self._triangles[:, 0] for k in (1, 2))
+        self._weights = facets.paths.weight[cells]
+        areas = 0.5 * np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+        self._upto = np.cumsum(areas * self._weights[self._cell])
+        self.area = float(self._upto[-1]) if len(self._upto) else 0.0
+        self._maps = facets.exit_map[cells]
+        self._starts = _starts(facets, cells)
+
+    def rays(self, unit: np.ndarray, random: np.ndarray) -> tuple[Rays, np.ndarray, np.ndarray]:
+        """Spread rays over them, of each area as many as its weight says.
+
+        Parameters
+        ----------
+        unit : (n, 2) float64
+            Points of the unit square.
+        random : (n,) uint64
+            States of the rays' random numbers; (0,) if only principal light is followed.
+
+        Returns
+        -------
+        rays : Rays
+            n rays inside the stone.
+        areas : (n,) float64
+            What each stands for, if there were but one point in the unit square [girdle radius^2].
+        of : (n,) int64
+            The point of the unit square that each was made from.
+        """
+        rays, cell = empty_rays(len(unit), random), np.empty(len(unit), np.int64)
+        _spread(unit, self._upto, self._triangles, self._cell, self._maps, self._starts, rays, cell)
+        return rays, self.area / self._weights[cell], np.arange(len(unit))
+
+
+def _starts(facets: VirtualFacets, cells: np.ndarray) -> Rays:
+    """Return the ray of each cell, but for its place."""
+    paths, unfolding = facets.paths, facets.unfolding
+    has_all = unfolding is not None
+    rays = empty_rays(len(cells), np.ones(len(cells), np.uint64) if has_all else None)
+    numbers, facts, n = rays.numbers, rays.facts, len(cells)
+    numbers[DIRECTION:COS_ENTRY, :n] = paths.exit_direction[cells].T
+    numbers[COS_ENTRY, :n] = paths.cos_entry[cells]
+    facts[STATUS, :n], facts[EXIT, :n] = INSIDE, -1
+    facts[REFLECTIONS, :n], facts[PARTIAL, :n] = paths.reflections[cells], paths.partial_reflections[cells]
+    facts[ENTRY, :n] = paths.entry_facet[cells]
+    if unfolding is not None and paths.entry_normal is not None:
+        numbers[WEIGHT, :n], numbers[FACTOR, :n] = paths.weight[cells], 1.0
+        numbers[NORMAL:UNFOLD, :n] = paths.entry_normal[cells].T
+        numbers[UNFOLD:, :n] = unfolding[facets.node[cells]].reshape(n, 9).T
+    return rays
+
+
+@jit
+def _spread(
+    unit: Any, upto: Any, triangles: Any, cell: Any, maps: Any, starts: Any, rays: Any, of: Any
+) -> None:  # fmt: skip
+    """Put rays into triangles, and write the cell of each."""
+    last, total = len(upto) - 1, upto[-1]
+    for i in range(len(unit)):
+        x = unit[i, 0] * total
+        low, high = 0, last
+        while low < high:
+            middle = (low + high) // 2
+            if upto[middle] > x:
+                high = middle
+            else:
+                low = middle + 1
+        below = upto[low - 1] if low > 0 else 0.0
+        across = np.sqrt(min(max((x - below) / (upto[low] - below), 0.0), 1.0))
+        along, t, c = unit[i, 1], triangles[low], cell[low]
+        u = (1.0 - across) * t[0, 0] + across * ((1.0 - along) * t[1, 0] + along * t[2, 0])
+        v = (1.0 - across) * t[0, 1] + across * ((1.0 - along) * t[1, 1] + along * t[2, 1])
+        for row in range(rays.numbers.shape[0]):
+            rays.numbers[row, i] = starts.numbers[row, c]
+        for row in range(rays.facts.shape[0]):
+            rays.facts[row, i] = starts.facts[row, c]
+        for j in range(3):
+            rays.numbers[POINT + j, i] = maps[c, 0, j] + u * maps[c, 1, j] + v * maps[c, 2, j]
+        of[i] = c

@@ -1,0 +1,43 @@
+"""The stone unfolded along paths, compiled: the reflections of each node of a tree of paths as one matrix."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from gemrender.beam.compiled import jit
+
+__all__ = ["unfolding"]
+
+
+def unfolding(nodes: np.ndarray, planes: np.ndarray) -> np.ndarray:
+    """Return what mirrors a direction at each node back through all reflections before, (k, 3, 3) float64.
+
+    At a node where light enters that is the identity; at any other the product of the mirrors of all nodes
+    from there to the node itself, which counts too.
+
+    Parameters
+    ----------
+    nodes : (k, 2) int64
+        Of each node its parent, -1 where light enters, and the plane that it meets; parents come first.
+    planes : (p, 4) float64
+        Unit normals and offsets.
+    """
+    out = np.empty((len(nodes), 3, 3))
+    _unfold(nodes, planes, out)
+    return out
+
+
+@jit
+def _unfold(nodes: Any, planes: Any, out: Any) -> None:
+    for k in range(nodes.shape[0]):
+        parent, plane = nodes[k, 0], nodes[k, 1]
+        nx, ny, nz = planes[plane, 0], planes[plane, 1], planes[plane, 2]
+        for j in range(3):
+            a, b, c = 1.0 if j == 0 else 0.0, 1.0 if j == 1 else 0.0, 1.0 if j == 2 else 0.0
+            if parent >= 0:
+                a, b, c = out[parent, j, 0], out[parent, j, 1], out[parent, j, 2]
+                twice = 2.0 * (a * nx + b * ny + c * nz)
+                a, b, c = a - twice * nx, b - twice * ny, c - twice * nz
+            out[k, j, 0], out[k, j, 1], out[k, j, 2] = a, b, c

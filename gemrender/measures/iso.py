@@ -1,0 +1,93 @@
+"""Light return under a sky that the viewer's head shades: `iso`, `cos` and `sc2`, with all light."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from gemrender.measures.measure import Light, Measure, in_columns
+
+__all__ = ["HEAD_WORDS", "SKIES", "Iso", "SkyMeasure", "sky_light"]
+
+#: Brightness of the sky at a cosine d with the viewer's zenith, 0 < d <= 1, for each name; and as a formula.
+SKIES: dict[str, tuple[Callable[[np.ndarray], np.ndarray], str]] = {
+    "iso": (np.ones_like, "1"),
+    "cos": (np.asarray, "d"),
+    "sc2": (lambda d: 2.0 * d * np.sqrt(np.maximum(1.0 - d**2, 0.0)), "2 d sqrt(1 - d^2)"),
+}
+#: What formulas of skies mean by h, and how ties count.
+HEAD_WORDS = (
+    "h half the angle of the viewer's head (10 deg); what is within 1e-7 of a limit is outside, and `tied`"
+)
+
+
+def sky_light(light: Light, sky: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """Return what each path brings from the sky between the horizon and the head (`measures.md`, `iso`).
+
+    Parameters
+    ----------
+    light : Light
+        All light.
+    sky : callable
+        Brightness by the cosine with the viewer's zenith.
+
+    Returns
+    -------
+    (n, 3) float64
+        Shares from inside, mirrored by the surface, and at a limit of the sky within rounding, times the
+        brightness there.
+    """
+    ties, mirrored_ties = light.sky_ties
+    internal, tied = _seen(sky, light.zenith_cosine, light.sky_share, ties)
+    surface, tied_too = _seen(sky, light.mirror_cosine, light.mirrored_sky, mirrored_ties)
+    return in_columns(internal, surface, tied + tied_too)
+
+
+def _seen(
+    sky: Callable[[np.ndarray], np.ndarray], cosine: np.ndarray, *shares: np.ndarray
+) -> Iterator[np.ndarray]:
+    """Yield shares (n,) times the sky's brightness; most are 0."""
+    for share in shares:
+        rows = np.flatnonzero(share)
+        out = np.zeros(len(share))
+        out[rows] = share[rows] * sky(cosine[rows])
+        yield out
+
+
+class SkyMeasure(Measure):
+    """Light return under one of `SKIES`.
+
+    Parameters
+    ----------
+    sky : {"iso", "cos", "sc2"}
+        Brightness of the sky.
+    """
+
+    keys: tuple[str, ...] = ("value", "internal", "surface", "tied")
+    is_axial = True
+
+    def __init__(self, sky: str) -> None:
+        self.sky, self.formula = SKIES[sky]
+
+    def contributions(self, light: Light) -> np.ndarray:
+        """Return the light from inside and from the surface, (n, 4): together, each, and tied."""
+        found = sky_light(light, self.sky)
+        return in_columns(found[:, 0] + found[:, 1], *found.T)
+
+
+class Iso(SkyMeasure):
+    """`iso`, `cos` or `sc2`: all light, followed to its end."""
+
+    version = 1
+    source = "after GemRay 1.2.0, without its cap"
+
+    def __init__(self, sky: str) -> None:
+        super().__init__(sky)
+        self.name = sky
+        self.definition = (
+            "light return of a sky of brightness g between horizon and head: R g(d) of the mirror direction "
+            "of the facet of entry if 0 < d < cos h (surface), plus the sum of w (1 - R) g(d) over all exits "
+            "with 0 < d <= cos h (internal); "
+            f"g = {self.formula}, d the cosine with the viewer's zenith, {HEAD_WORDS}"
+        )

@@ -1,0 +1,103 @@
+"""What is summed up over paths for a score: Inoue's sums, and those of further measures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from gemrender.measures import inoue
+from gemrender.measures.measure import HEAD_DEG, Light, Measure
+from gemrender.observation import Model, RayStatus, View
+from gemrender.paths import Paths
+
+__all__ = ["REST", "Tally"]
+
+#: What is summed up behind Inoue's sums: area times share of later light that is still inside at the end.
+REST = inoue.N_SUMS
+_INSIDE = (RayStatus.TRAPPED, RayStatus.LOST)
+
+
+class Tally:
+    """Sums over paths of one view, and the values that they make.
+
+    Parameters
+    ----------
+    view, model : View, Model
+        From where and by which model the paths are traced.
+    measures : sequence of Measure
+        The measures, besides Inoue's.
+    head_deg : float
+        Half the angle at which the viewer's head is seen from the stone [deg].
+
+    Attributes
+    ----------
+    n_sums : int
+        Numbers that are summed up: first those of `inoue.sum_up`, then `REST`, then the channels of each
+        measure.
+    follows_all : bool
+        Whether a measure needs all light.
+    is_axial : bool
+        Whether a part of a symmetric stone's view is enough for all of them.
+    """
+
+    def __init__(
+        self, view: View, model: Model, measures: Sequence[Measure] = (), head_deg: float = HEAD_DEG
+    ) -> None:
+        self.view, self.model, self.measures, self.head_deg = view, model, tuple(measures), head_deg
+        self.follows_all = any(measure.follow == "all" for measure in measures)
+        self.is_axial = all(measure.is_axial for measure in measures)
+        numbers = [len(measure.channels or measure.keys) for measure in measures]
+        ends = REST + 1 + np.cumsum(numbers, dtype=np.int64)
+        self._columns = [slice(end - n, end) for end, n in zip(ends, numbers, strict=True)]
+        self.n_sums = REST + 1 + sum(numbers)
+
+    def sum_up(self, paths: Paths, sets: np.ndarray | None = None, n_sets: int = 1) -> np.ndarray:
+        """Sum up paths, each set of them by itself.
+
+        Parameters
+        ----------
+        paths : Paths
+            The paths.
+        sets, n_sets : (n,) int64, int
+            The set that each belongs to, and how many there are; by default one.
+
+        Returns
+        -------
+        (n_sets, n_sums) float64
+            Areas, or areas times contributions [stone's unit^2].
+        """
+        rear = inoue.rear_mask(paths, self.model)
+        intensity = inoue.primary_intensity(paths, self.model, rear)
+        out = np.zeros((n_sets, self.n_sums))
+        out[:, : inoue.N_SUMS] = inoue.sum_up(paths, rear, intensity, sets, n_sets)
+        if self.measures:
+            light = self.light(paths)
+            is_left = np.isin(paths.status, _INSIDE) & (paths.partial_reflections > 0)
+            out[:, REST] = _sums(light, is_left * light.arriving, sets, n_sets)[:, 0]
+            for measure, columns in zip(self.measures, self._columns, strict=True):
+                out[:, columns] = _sums(light, measure.contributions(light), sets, n_sets)
+        return out
+
+    def light(self, paths: Paths) -> Light:
+        """Return paths as measures take them."""
+        return Light(paths=paths, view=self.view, model=self.model, head_deg=self.head_deg)
+
+    def values(self, sums: np.ndarray) -> list[np.ndarray]:
+        """Return the values of each measure, (..., len(keys)), from sums (..., n_sums)."""
+        area = sums[..., inoue.MET]
+        return [
+            measure.values(sums[..., columns], area)
+            for measure, columns in zip(self.measures, self._columns, strict=True)
+        ]
+
+
+def _sums(light: Light, added: np.ndarray, sets: np.ndarray | None, n_sets: int) -> np.ndarray:
+    """Sum up what each path adds per unit of its area, (n,) or (n, k); (n_sets, k)."""
+    added, area = (added[:, None] if added.ndim == 1 else added), light.paths.area
+    if sets is None:
+        return np.asarray(area @ added)[None]
+    out = np.empty((n_sets, added.shape[1]))
+    for k, column in enumerate(added.T):
+        out[:, k] = np.bincount(sets, area * column, n_sets)
+    return out
