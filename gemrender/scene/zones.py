@@ -59,6 +59,8 @@ def zones_of(rows: Any) -> tuple[Zone, ...]:
     InputError
         What is wrong with each, or a zone that overlaps another.
     """
+    if rows == ():
+        raise InputError(f"missing; {_ALLOWED}", key="zones")
     if not isinstance(rows, (list, tuple)) or not 1 <= len(rows) <= MOST_ZONES // 2:
         raise InputError(_ALLOWED, key="zones", value=rows)
     if not all(isinstance(row, (Zone, dict)) for row in rows):
