@@ -63,7 +63,7 @@ class HemisphereEmitter(mi.Emitter):
     #: Why there is no `to_world`.
     _FIXED = "not allowed here, the light always comes from z > 0"
     #: Solid angle that directions are drawn from [sr].
-    _solid_angle: float = 2 * math.pi
+    _solid_angle: float | mi.Float = 2 * math.pi
 
     def __init__(self, props: mi.Properties) -> None:
         super().__init__(props)

@@ -78,34 +78,34 @@ class ZonesEmitter(HemisphereEmitter):
         length = float(dr.norm(axis))
         if not 0 < length < math.inf:
             raise InputError("must be a direction", key="axis", value=list(axis))
-        self.axis = mi.ScalarVector3f(axis / length)
         self.edges_deg = edges
-        #: Sines of the limits of each zone, and its radiance.
-        self.zones = [
-            (_sine(low), _sine(high), emitted(props, f"radiance_{k}"))
-            for k, (low, high) in enumerate(pairwise(edges), start=1)
-        ]
-        #: Sines of the limits that directions are drawn between.
-        self.low, self.high = max(self.zones[0][0], -1.0), min(self.zones[-1][1], 1.0)
-        self._solid_angle = 2 * math.pi * (self.high - self.low)
+        self.radiances = [emitted(props, f"radiance_{k}") for k in range(1, len(edges))]
+        # Opaque: other zones need no other kernel, if they are as many
+        self.axis = mi.Vector3f(*(dr.opaque(mi.Float, float(x) / length) for x in axis))
+        #: Sines of the edges; beyond any at the poles, which rounding is not to miss.
+        self.sines = [dr.opaque(mi.Float, _sine(edge)) for edge in edges]
+        #: Sines that directions are drawn between.
+        low, high = math.sin(math.radians(edges[0])), math.sin(math.radians(edges[-1]))
+        self.low, self.span = dr.opaque(mi.Float, low), dr.opaque(mi.Float, high - low)
+        self._solid_angle = dr.two_pi * self.span
 
     def _draw(self, sample: mi.Point2f) -> mi.Vector3f:
-        z = self.low + (self.high - self.low) * sample.y
+        z = dr.fma(self.span, sample.y, self.low)
         sin, cos = dr.sincos(dr.two_pi * sample.x)
         r = dr.safe_sqrt(1 - dr.square(z))
-        return mi.Frame3f(mi.Vector3f(self.axis)).to_world(mi.Vector3f(r * cos, r * sin, z))
+        return mi.Frame3f(self.axis).to_world(mi.Vector3f(r * cos, r * sin, z))
 
     def _density(self, d: mi.Vector3f) -> mi.Float:
-        z = dr.dot(d, mi.Vector3f(self.axis))
-        inside = (z >= self.zones[0][0]) & (z < self.zones[-1][1])
-        return dr.select(inside, mi.Float(1 / self._solid_angle), 0)
+        z = dr.dot(d, self.axis)
+        inside = (z >= self.sines[0]) & (z < self.sines[-1])
+        return dr.select(inside, dr.rcp(self._solid_angle), 0)
 
     def _incident(self, it: mi.Interaction3f, d: mi.Vector3f, active: mi.Bool) -> mi.Spectrum:
         si = dr.zeros(mi.SurfaceInteraction3f)
         si.wavelengths = it.wavelengths
-        z = dr.dot(d, mi.Vector3f(self.axis))
+        z = dr.dot(d, self.axis)
         found = mi.UnpolarizedSpectrum(0)
-        for low, high, radiance in self.zones:
+        for (low, high), radiance in zip(pairwise(self.sines), self.radiances, strict=True):
             found = dr.select((z >= low) & (z < high), radiance.eval(si, active), found)
         return mi.depolarizer(found)
 
@@ -124,14 +124,14 @@ class ZonesEmitter(HemisphereEmitter):
     def traverse(self, callback: mi.TraversalCallback) -> None:
         """Expose the radiances and the radius."""
         mi.Emitter.traverse(self, callback)
-        for k, (_, _, radiance) in enumerate(self.zones, start=1):
+        for k, radiance in enumerate(self.radiances, start=1):
             callback.put(f"radiance_{k}", radiance, mi.ParamFlags.Differentiable)
         callback.put("radius", self.radius, mi.ParamFlags.NonDifferentiable)
 
     def to_string(self) -> str:
         """Describe the emitter in Mitsuba's manner."""
         edges = ", ".join(f"{edge:g}" for edge in self.edges_deg)
-        axis = ", ".join(f"{x:g}" for x in self.axis)
+        axis = ", ".join(f"{x[0]:g}" for x in self.axis)
         return f"ZonesEmitter[\n  edges = [{edges}],\n  axis = [{axis}],\n  radius = {self.radius[0]:g}\n]"
 
 
@@ -150,7 +150,7 @@ def _edges(props: mi.Properties) -> list[float]:
 
 
 def _sine(elevation_deg: float) -> float:
-    """Return the sine of an elevation; beyond any at the poles, which rounding is not to miss."""
+    """Return the sine of an elevation [deg], infinite at the poles."""
     if abs(elevation_deg) == 90:
         return math.copysign(math.inf, elevation_deg)
     return math.sin(math.radians(elevation_deg))
