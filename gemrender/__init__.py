@@ -16,7 +16,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from gemrender.engines import observe
+from gemrender.engines import observe, trace_paths
 from gemrender.errors import BackendError, GemrenderError, GemrenderWarning, InputError
 from gemrender.render import import_order as _import_order
 
@@ -35,7 +35,9 @@ if TYPE_CHECKING:
         stone_from_vertices,
         vary,
     )
+    from gemrender.measures import Measure
     from gemrender.observation import Model, Observation, RayStatus, View
+    from gemrender.paths import Paths
     from gemrender.render.backend import mitsuba
     from gemrender.stone import Stone
 
@@ -46,8 +48,10 @@ __all__ = [
     "GemrenderError",
     "GemrenderWarning",
     "InputError",
+    "Measure",
     "Model",
     "Observation",
+    "Paths",
     "RayStatus",
     "RoundBrilliant",
     "Score",
@@ -64,10 +68,13 @@ __all__ = [
     "sensitivity",
     "stone_from_vertices",
     "trace_facets",
+    "trace_paths",
     "vary",
 ]
 
 _ON_DEMAND = {
+    "Measure": "gemrender.measures",
+    "Paths": "gemrender.paths",
     "Model": "gemrender.observation",
     "Observation": "gemrender.observation",
     "RayStatus": "gemrender.observation",

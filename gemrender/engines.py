@@ -2,31 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any, Unpack
 
 from gemrender.errors import BackendError, InputError
 from gemrender.request import DEFAULT_RESOLUTION, ShortForms, resolve
 
 if TYPE_CHECKING:
+    from gemrender.measures.measure import Measure
     from gemrender.observation import Measurement, Model, Observation, View
+    from gemrender.paths import Paths
     from gemrender.stone import Stone
 
 __all__ = [
     "AUTO",
     "DEFAULT_BOUND",
     "DEFAULT_ENGINE",
+    "DEFAULT_HEAD",
     "DEFAULT_MEMORY_LIMIT",
     "DEFAULT_RESOLUTION",
     "DEFAULT_TIME_LIMIT",
     "DEFAULT_VARIANT",
     "ENGINES",
     "VARIANTS",
+    "check_head",
     "engine_for",
     "measure",
     "observe",
     "observe_alike",
     "require_engine",
+    "trace_paths",
 ]
 
 #: Exact for convex stones, Mitsuba for others.
@@ -42,6 +47,8 @@ VARIANTS = tuple(
 DEFAULT_VARIANT = "llvm_ad_mono"
 #: Error bound of exact scores [%].
 DEFAULT_BOUND = 0.05
+#: Half the angle at which the viewer's head is seen from the stone [deg].
+DEFAULT_HEAD = 10.0
 #: What an exact score may take before it ends with a larger bound: time [s] and memory [GiB].
 DEFAULT_TIME_LIMIT = 5.0
 DEFAULT_MEMORY_LIMIT = 1.0
@@ -197,6 +204,8 @@ def measure(
     *,
     view: View | None = None,
     model: Model | None = None,
+    measures: Sequence[Measure] = (),
+    head: float = DEFAULT_HEAD,
     variant: str = DEFAULT_VARIANT,
     bound: float = DEFAULT_BOUND,
     seed: int = 1,
@@ -208,6 +217,13 @@ def measure(
     """Score a stone by the exact engine without maps, which cost more than the score.
 
     Options and errors as for `observe`; resolution and variant are checked, and make no difference.
+
+    Parameters
+    ----------
+    measures : sequence of Measure
+        What to measure besides the paper's score.
+    head : float
+        Half the angle at which the viewer's head is seen from the stone, 0 to below 90 [deg].
 
     Returns
     -------
@@ -222,10 +238,79 @@ def measure(
     from gemrender.beam import measure as by_beams
 
     measured = by_beams(
-        stone, view=view, model=model, bound=bound, seed=seed, progress=progress,
-        budget=Budget(time_limit, memory_limit),
+        stone, view=view, model=model, measures=measures, head_deg=check_head(head), bound=bound, seed=seed,
+        progress=progress, budget=Budget(time_limit, memory_limit),
     )  # fmt: skip
     return measured, view, model
+
+
+def trace_paths(
+    stone: Stone,
+    *,
+    follow: str = "principal",
+    view: View | None = None,
+    model: Model | None = None,
+    engine: str = DEFAULT_ENGINE,
+    variant: str = DEFAULT_VARIANT,
+    bound: float = DEFAULT_BOUND,
+    seed: int = 1,
+    progress: Callable[[float], None] | None = None,
+    **short: Unpack[ShortForms],
+) -> Paths:
+    """Follow the light of a view of a stone, and return its paths.
+
+    Parameters
+    ----------
+    stone : Stone
+        The stone.
+    follow : {"principal", "all"}
+        The light that is followed: the paper's, or all of it.
+    view, model, engine, variant, bound, progress, **short
+        As for `observe`. The exact engine's rows are virtual facets, and, in independent sets (`set_number`),
+        single rays for what polygons do not tell: so many that the paper's scores have the bound. Those of
+        the other engines are pixels' rays.
+    seed : int
+        Seed of single rays, and of Mitsuba's random continuations.
+
+    Raises
+    ------
+    InputError
+        A value outside what is listed, or a stone that the engine cannot trace.
+    BackendError
+        The engine cannot run here.
+    """
+    from gemrender.paths import FOLLOW
+
+    if follow not in FOLLOW:
+        raise InputError(f"must be one of {', '.join(FOLLOW)}", key="follow", value=follow)
+    view, model = resolve(stone, view, model, short)
+    require_engine(engine, variant, stones=[stone], bound=bound)
+    used = engine_for(engine, stone)
+    if used == "exact":
+        from gemrender.beam.measure import trace_paths as by_beams
+
+        return by_beams(stone, view=view, model=model, follow=follow, bound=bound, seed=seed)
+    if used == "reference":
+        from gemrender.reference import paths as by_reference
+
+        return by_reference(stone, view, model, follow=follow)
+    from gemrender.render.paths import trace_paths as by_mitsuba
+
+    return by_mitsuba(stone, view, model, follow=follow, variant=variant, seed=seed, progress=progress)
+
+
+def check_head(head: float) -> float:
+    """Return half the angle of the viewer's head if it is one [deg].
+
+    Raises
+    ------
+    InputError
+        It is no number, or out of range.
+    """
+    is_number = isinstance(head, (int, float)) and not isinstance(head, bool)
+    if not is_number or not 0 <= head < 90:
+        raise InputError("must be from 0 to below 90 [deg]", key="head", value=head)
+    return float(head)
 
 
 def observe_alike(

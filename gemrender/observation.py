@@ -248,6 +248,13 @@ class MeasureValues:
     bound: float | None
     details: dict[str, Any] = field(default_factory=dict)
 
+    def to_dict(self) -> dict[str, Any]:
+        """Return it as JSON has it: values and details by name, bound and version; null for NaN."""
+        values: dict[str, Any] = {
+            key: None if math.isnan(value) else value for key, value in self.values.items()
+        }
+        return values | self.details | {"bound": self.bound, "version": self.version}
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Measurement:
@@ -392,4 +399,24 @@ MAP_CHANNELS: dict[str, tuple[str, ...]] = {
     "entry_facet": ("entry.facet",),
     "exit_facet": ("exit.facet",),
     "path_code": ("path.code",),
+}
+
+#: Further channels of paths where all light is followed: what the principal path's crossings are.
+CROSSING_CHANNELS: dict[str, tuple[str, ...]] = {
+    "entry_normal": ("entry.nx", "entry.ny", "entry.nz"),
+    "cos_entry": ("entry.cosine",),
+    "cos_exit": ("exit.cosine",),
+}
+
+#: And one later exit, drawn at random, of the light that is reflected there.
+LATER_CHANNELS: dict[str, tuple[str, ...]] = {
+    "status": ("later.status",),
+    "reflections": ("later.reflections",),
+    "partial_reflections": ("later.partial",),
+    "weight": ("later.weight",),
+    "probability": ("later.probability",),
+    "exit_point": ("later.x", "later.y", "later.z"),
+    "exit_direction": ("later.dx", "later.dy", "later.dz"),
+    "exit_facet": ("later.facet",),
+    "cos_exit": ("later.cosine",),
 }

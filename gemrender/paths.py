@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import importlib
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 
+from gemrender.errors import BackendError
 from gemrender.stone import Stone
 
 __all__ = ["FOLLOW", "Paths"]
@@ -83,3 +87,78 @@ class Paths:
 
     def __len__(self) -> int:
         return len(self.status)
+
+    def rows(self, chosen: np.ndarray) -> Paths:
+        """Return some of the paths: those of numbers (k,), or where a mask (n,) is true."""
+        columns = {field.name: getattr(self, field.name) for field in fields(self)}
+        return replace(
+            self,
+            **{name: column[chosen] for name, column in columns.items() if isinstance(column, np.ndarray)},
+        )
+
+    @staticmethod
+    def joined(parts: Sequence[Paths]) -> Paths:
+        """Return the rows of several, one after the other: a column that one of them lacks all lack.
+
+        But `set_number`: rows of a part without it are in none, -1.
+        """
+        values: dict[str, Any] = {}
+        for name in (each.name for each in fields(Paths) if each.name != "stone"):
+            columns = [getattr(part, name) for part in parts]
+            if name == "set_number" and any(column is not None for column in columns):
+                columns = [
+                    np.full(len(part), -1) if column is None else column
+                    for part, column in zip(parts, columns, strict=True)
+                ]
+            lacks = any(column is None for column in columns)
+            values[name] = None if lacks else np.concatenate(columns)
+        return Paths(stone=parts[0].stone, **values)
+
+    def to_dict(self) -> dict[str, np.ndarray]:
+        """Return the columns by name; points and directions in three, named `..._x`, `..._y` and `..._z`."""
+        out: dict[str, np.ndarray] = {}
+        for name in (each.name for each in fields(self) if each.name != "stone"):
+            column = getattr(self, name)
+            if column is None:
+                continue
+            if column.ndim == 2:
+                out |= {f"{name}_{axis}": column[:, k] for k, axis in enumerate("xyz")}
+            else:
+                out[name] = column
+        return out
+
+    def to_pandas(self) -> Any:
+        """Return a pandas DataFrame, one row a path, with the columns of `to_dict`.
+
+        Raises
+        ------
+        BackendError
+            pandas is not installed.
+        """
+        return _library("pandas").DataFrame(self.to_dict())
+
+    def to_xarray(self) -> Any:
+        """Return an xarray Dataset along `path`; points and directions along `axis` too.
+
+        Raises
+        ------
+        BackendError
+            xarray is not installed.
+        """
+        columns = {each.name: getattr(self, each.name) for each in fields(self) if each.name != "stone"}
+        return _library("xarray").Dataset(
+            {
+                name: (("path", "axis")[: column.ndim], column)
+                for name, column in columns.items()
+                if column is not None
+            },
+            coords={"axis": ["x", "y", "z"]},
+            attrs={"stone": self.stone.name},
+        )
+
+
+def _library(name: str) -> Any:
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        raise BackendError(f"{name} is needed for this; to get it: pip install {name}") from error

@@ -3,16 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from gemrender.engines import DEFAULT_ENGINE, engine_for, measure, observe
+from gemrender.engines import (
+    DEFAULT_ENGINE,
+    DEFAULT_HEAD,
+    check_head,
+    engine_for,
+    measure,
+    observe,
+    trace_paths,
+)
 from gemrender.errors import InputError
+from gemrender.request import ShortForms
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from gemrender.observation import Measurement, Model, Observation, View
+    from gemrender.measures import Measure
+    from gemrender.observation import Measurement, MeasureValues, Model, Observation, View
     from gemrender.stone import Stone
 
 __all__ = [
@@ -118,6 +128,8 @@ class Score:
         What was assumed of the stone, as its description left it out (`Stone.assumed`).
     notes : tuple of str
         What was asked for and not reached, in words, such as a bound; empty where all was.
+    measures : tuple of MeasureValues or None
+        What further measures say; None if none was asked for.
     """
 
     name: str
@@ -140,16 +152,21 @@ class Score:
     facets: FacetSizes | None = None
     assumed: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    measures: tuple[MeasureValues, ...] | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return the score as the command line's JSON has it."""
-        values = asdict(self)
+        measures = self.measures
+        values = asdict(replace(self, measures=None))
+        del values["measures"]
         values["bands"] = [{"from": b.low, "to": b.high, "share": b.share} for b in self.bands]
         values["assumed"], values["notes"] = list(self.assumed), list(self.notes)
         if self.facets is not None:
             values["facets"]["classes"] = [
                 {"from": low, "number": number, "share": share} for low, number, share in self.facets.classes
             ]
+        if measures is not None:
+            values["measures"] = {of.name: of.to_dict() for of in measures}
         return {key: values.pop(key) for key in _CONTRACT} | values
 
 
@@ -209,12 +226,86 @@ def score_pixels(observation: Observation) -> Score:
     )
 
 
-def score(stone: Stone, *, engine: str = DEFAULT_ENGINE, **options: Any) -> Score:
-    """Trace a stone and score it; options and errors as for `observe`."""
+def score(
+    stone: Stone,
+    *,
+    engine: str = DEFAULT_ENGINE,
+    measures: str | Measure | Iterable[str | Measure] | None = None,
+    head: float = DEFAULT_HEAD,
+    **options: Any,
+) -> Score:
+    """Trace a stone and score it.
+
+    Parameters
+    ----------
+    stone : Stone
+        The stone.
+    engine, **options
+        As for `observe`.
+    measures : str, Measure, or iterable of them, optional
+        What to measure besides the paper's score: names (`gemrender.measures`), several with commas between
+        them, `all`, or measures of your own.
+    head : float
+        Half the angle at which the viewer's head is seen from the stone, 0 to below 90 [deg].
+
+    Raises
+    ------
+    InputError, BackendError
+        As for `observe`; a measure that there is not, or that the engine cannot tell.
+    """
+    chosen = None
+    if measures is not None:
+        from gemrender.measures import chosen_measures
+
+        chosen = chosen_measures(measures)
+    check_head(head)
     if engine_for(engine, stone) != "exact":
-        return score_observation(observe(stone, engine=engine, **options))
-    measured, view, model = measure(stone, **options)
-    return score_measurement(measured, stone, view, model)
+        found = score_observation(observe(stone, engine=engine, **options))
+        return found if chosen is None else _with_measures(found, stone, engine, chosen, head, options)
+    measured, view, model = measure(stone, measures=chosen or (), head=head, **options)
+    found = score_measurement(measured, stone, view, model)
+    return found if chosen is None else replace(found, measures=measured.measures)
+
+
+def _with_measures(
+    found: Score,
+    stone: Stone,
+    engine: str,
+    measures: tuple[Measure, ...],
+    head: float,
+    options: dict[str, Any],
+) -> Score:
+    """Return a score by pixels with what measures say of its engine's paths."""
+    from gemrender.measures.tally import Tally
+    from gemrender.observation import MeasureValues
+    from gemrender.request import resolve
+
+    for of in measures:
+        if of.views != "one":
+            raise InputError(
+                f"{of.name} is a sum over views, which the exact engine alone tells",
+                key="measures",
+                value=of.name,
+            )
+    short: Any = {key: options[key] for key in ShortForms.__annotations__ if key in options}
+    view, model = resolve(stone, options.get("view"), options.get("model"), short)
+    of_paths = {key: options[key] for key in ("variant", "seed", "progress") if key in options}
+    follow = "all" if any(of.follow == "all" for of in measures) else "principal"
+    paths = trace_paths(stone, view=view, model=model, engine=engine, follow=follow, **of_paths)
+    tally = Tally(view, model, measures, head)
+    [values] = [tally.values(sums) for sums in tally.sum_up(paths)]
+    return replace(
+        found,
+        measures=tuple(
+            MeasureValues(
+                name=of.name,
+                version=of.version,
+                values=dict(zip(of.keys, map(float, each), strict=True)),
+                bound=None,
+            )
+            for of, each in zip(measures, values, strict=True)
+        ),
+    )
 
 
 _EDGES = tuple(zip(BAND_EDGES, (None, *BAND_EDGES[:-1]), strict=True))

@@ -18,7 +18,7 @@ from gemrender.beam.compiled import STEP
 from gemrender.beam.derivatives import Derivative, Sensitivity, facet_totals, result
 from gemrender.beam.facets import trace_facets
 from gemrender.beam.measure import facet_sums
-from gemrender.beam.near_girdle import SETS, STUDENT_T, NearGirdle
+from gemrender.beam.near_girdle import CELLS, SETS, STUDENT_T, NearGirdle
 from gemrender.beam.solid import beam_stone
 from gemrender.cuts.round_brilliant import RoundBrilliant
 from gemrender.cuts.round_brilliant.planes import facet_planes
@@ -95,7 +95,7 @@ class _Scored:
         model: Model,
         seed: int,
         rays: int,
-        numbers: tuple[int, int] | None = None,
+        numbers: tuple[int, ...] | None = None,
         budget: Budget | None = None,
     ) -> None:
         self.stone, self.view, self.model = stone, view, model
@@ -109,7 +109,7 @@ class _Scored:
         self.resolved, near = facet_sums(facets), NearGirdle(self.convex, facets, seed)
         self.numbers = numbers or near.numbers(rays)
         near.go_on(self.numbers)
-        self.near, self.cell_area, self.area = near.found(), near.cell_area, near.view_area
+        self.near, self.cell_area, self.area = near.found(), near.areas[CELLS], near.view_area
 
     def scores(self) -> np.ndarray:
         """Average and Rear by each set of rays, (SETS, 2) [%]."""

@@ -36,6 +36,8 @@ class Cells:
     ----------
     facets : VirtualFacets
         The polygons.
+    of_principal : bool
+        Whether the cells are those of principal light, or of light that has been reflected in part.
 
     Attributes
     ----------
@@ -43,8 +45,9 @@ class Cells:
         Area of all of them, each times its weight [girdle radius^2].
     """
 
-    def __init__(self, facets: VirtualFacets) -> None:
-        cells = np.flatnonzero(facets.status == FacetStatus.GIRDLE)
+    def __init__(self, facets: VirtualFacets, *, of_principal: bool) -> None:
+        is_chosen = (facets.paths.partial_reflections == 0) == of_principal
+        cells = np.flatnonzero((facets.status == FacetStatus.GIRDLE) & is_chosen)
         first, number = facets.starts[cells], (facets.ends - facets.starts)[cells] - 2
         # Of each cell a fan of triangles about its first corner.
         self._cell = np.repeat(np.arange(len(cells)), number)

@@ -4,21 +4,23 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from gemrender.beam.budget import Budget
-from gemrender.beam.facets import VirtualFacets, trace_facets
+from gemrender.beam.facets import FacetStatus, VirtualFacets, trace_facets
 from gemrender.beam.near_girdle import SETS, STUDENT_T, NearGirdle
 from gemrender.beam.solid import BeamStone, beam_stone
 from gemrender.errors import InputError
-from gemrender.measures.inoue import BANDS, INTENSITY, LOST, MET, N_SUMS, REAR, TRAPPED
+from gemrender.measures.inoue import BANDS, INTENSITY, LOST, MET, REAR, TRAPPED
 from gemrender.measures.measure import HEAD_DEG, Measure
 from gemrender.measures.tally import REST, Tally
 from gemrender.observation import Measurement, MeasureValues, Model, View, bound_text
+from gemrender.paths import Paths
 from gemrender.stone import Stone
 
-__all__ = ["BOUND_RANGE", "check_bound", "facet_sums", "measure", "measure_facets"]
+__all__ = ["BOUND_RANGE", "check_bound", "facet_sums", "measure", "measure_facets", "trace_paths"]
 
 #: Allowed range of the error bound [%].
 BOUND_RANGE = (1e-4, 10.0)
@@ -111,22 +113,12 @@ def measure_facets(
         convex, view=tally.view, model=tally.model, whole=not tally.is_axial,
         least=_LEAST if tally.follows_all else 0.0, budget=budget,
     )  # fmt: skip
-    resolved, near = _sums(tally, facets), NearGirdle(convex, facets, seed, tally)
-    rays = _FIRST_RAYS
-    while True:
-        near.go_on(near.numbers(rays), progress, budget)
-        sums = resolved + near.found()
-        found = _Found(tally, sums)
-        # No ray more makes less light trapped.
-        allowed = max(wanted - found.unsolved, 0.5 * wanted)
-        if found.scatter <= allowed or rays >= _MOST_RAYS or near.stopped:
-            break
-        # The error falls as the 3/4th power of the number of rays, and where they run about the girdle for
-        # long, so that any two of them part, as its root: something between.
-        rays = int(rays * min(max(1.2 * (found.scatter / allowed) ** 1.6, 1.5), 8.0))
+    near = NearGirdle(convex, facets, seed, tally)
+    resolved = _sums(tally, facets)
+    found = _settle(tally, resolved, near, wanted, progress, budget)
     reached = found.scatter + found.unsolved
     missed = _missed(reached, wanted, found.unsolved, budget if near.stopped else None)
-    images, area = facets.images(), float(sums[:, MET].mean())
+    images, area = facets.images(), found.area
     counted, scores = facets.is_counted, found.scores
     measured = Measurement(
         average=float(scores[INTENSITY]),
@@ -146,6 +138,43 @@ def measure_facets(
     return measured, facets
 
 
+def trace_paths(
+    stone: Stone | BeamStone, *, view: View, model: Model, follow: str, bound: float, seed: int
+) -> Paths:
+    """Return the paths of a view: virtual facets, and single rays in sets for what they do not tell.
+
+    Parameters and errors as for `gemrender.trace_paths`.
+    """
+    convex, wanted = stone if isinstance(stone, BeamStone) else beam_stone(stone), check_bound(bound)
+    tally = Tally(view, model)
+    facets = trace_facets(convex, view=view, model=model, least=_LEAST if follow == "all" else 0.0)
+    near = NearGirdle(convex, facets, seed, tally)
+    _settle(tally, _sums(tally, facets), near, wanted, None, None)
+    return Paths.joined([facets.paths.rows(facets.status != FacetStatus.GIRDLE), *near.paths()])
+
+
+def _settle(
+    tally: Tally,
+    resolved: np.ndarray,
+    near: NearGirdle,
+    wanted: float,
+    progress: Callable[[float], None] | None,
+    budget: Budget | None,
+) -> _Found:
+    """Follow rays until everything is known as closely as is wanted, as far as that can be."""
+    rays = _FIRST_RAYS
+    while True:
+        near.go_on(near.numbers(rays), progress, budget)
+        found = _Found(tally, resolved + near.found())
+        # No ray more makes less light trapped.
+        allowed = max(wanted - found.unsolved, 0.5 * wanted)
+        if found.scatter <= allowed or rays >= _MOST_RAYS or near.stopped:
+            return found
+        # The error falls as the 3/4th power of the number of rays, and where they run about the girdle for
+        # long, so that any two of them part, as its root: something between.
+        rays = int(rays * min(max(1.2 * (found.scatter / allowed) ** 1.6, 1.5), 8.0))
+
+
 class _Found:
     """What sums of sets say: scores, and how far they scatter.
 
@@ -159,6 +188,7 @@ class _Found:
 
     def __init__(self, tally: Tally, sums: np.ndarray) -> None:
         self._tally, self._mean = tally, sums.mean(axis=0)
+        self.area = float(self._mean[MET])
         each = 100.0 * sums / sums[:, [MET]]
         self.scores = each.mean(axis=0)
         trapped = float(self.scores[TRAPPED] + self.scores[LOST])
@@ -171,7 +201,9 @@ class _Found:
 
     def measures(self, facets: VirtualFacets) -> tuple[MeasureValues, ...]:
         """Return what each measure says."""
-        light = self._tally.light(facets.paths)
+        counted = np.flatnonzero(facets.is_counted | (facets.paths.partial_reflections > 0))
+        paths = replace(facets.paths.rows(counted), images=facets.images()[counted])
+        light = self._tally.light(paths)
         return tuple(
             MeasureValues(
                 name=measure.name,
@@ -221,4 +253,4 @@ def _missed(bound: float, wanted: float, unsolved: float, stopped: Budget | None
 
 def facet_sums(facets: VirtualFacets) -> np.ndarray:
     """Sum up the virtual facets whose whole path is known, (N_SUMS,) as `inoue` has it [girdle radius^2]."""
-    return _sums(Tally(facets.view, facets.model), facets)[:N_SUMS]
+    return _sums(Tally(facets.view, facets.model), facets)

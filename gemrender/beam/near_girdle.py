@@ -11,6 +11,7 @@ import os
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
@@ -24,14 +25,17 @@ from gemrender.beam.solid import BeamStone
 from gemrender.beam.view_area import view_area
 from gemrender.measures.inoue import MET
 from gemrender.measures.tally import Tally
+from gemrender.observation import RayStatus
+from gemrender.paths import Paths
 
 __all__ = ["CELLS", "RIM", "SETS", "STUDENT_T", "NearGirdle"]
 
 #: Independent sets of rays; Student's t for their mean with 15 degrees of freedom, two-sided, 99.9 %. More
 #: sets have a smaller t, and fewer rays each: for the same rays 16 give the smallest bound.
 SETS, STUDENT_T = 16, 4.073
-#: The two regions that rays are spread over.
-CELLS, RIM = 0, 1
+#: The regions that rays are spread over: girdle cells of principal light, the rim, and, where all light is
+#: followed, cells of what has been reflected in part.
+CELLS, RIM, LATER = 0, 1, 2
 
 _PLASTIC = 1.3247179572447460
 _STEPS = np.array([1 / _PLASTIC, 1 / _PLASTIC**2])
@@ -61,18 +65,16 @@ class NearGirdle:
 
     Attributes
     ----------
-    sums : (SETS, 2, n_sums) float64
-        What each set has found in the girdle cells and on the rim; areas [girdle radius^2].
+    sums : (SETS, 2 or 3, n_sums) float64
+        What each set has found in each region; areas [girdle radius^2].
     rays : int
         Rays followed so far.
     stopped : bool
         Whether there was no time for the rays that were asked for.
     view_area : float
         Area of the traced part of the view [girdle radius^2].
-    cell_area : float
-        Area of the girdle cells, each times its weight [girdle radius^2].
-    rim_area : float
-        Area of the rim [girdle radius^2].
+    areas : tuple of float
+        Area of each region; of later light, times its weight [girdle radius^2].
     """
 
     def __init__(
@@ -82,42 +84,40 @@ class NearGirdle:
         self._tally = tally or Tally(facets.view, facets.model)
         self._follows_all = facets.unfolding is not None
         self._random = np.random.default_rng(seed)
-        self._shifts = self._random.random((SETS, 2, 2))
-        self.stopped = False
-        self.sums, self.rays, self._done = np.zeros((SETS, 2, self._tally.n_sums)), 0, [0, 0]
-        self._seconds = [0.0, 0.0]
-        cells = Cells(facets)
-        self._regions: tuple[_Region, _Region] = (cells, _Rim(convex, facets))
-        self.cell_area = cells.area
-        seen = float(facets.area.sum())
+        shifts = [self._random.random((SETS, n, 2)) for n in (2, 1)]  # the first two whatever is followed
+        self._shifts = np.concatenate(shifts, axis=1)
+        cells = Cells(facets, of_principal=True)
+        self._regions: list[_Region] = [cells, _Rim(convex, facets)]
+        seen = float(facets.area @ (facets.paths.partial_reflections == 0))
         is_round = facets.stone.is_round  # else polygons tell all of the view
         self.view_area = view_area(convex, facets.view) / facets.parts if is_round else seen
-        self.rim_area = max(self.view_area - seen, 0.0)
+        self.areas: tuple[float, ...] = (cells.area, max(self.view_area - seen, 0.0))
+        if self._follows_all:
+            later = Cells(facets, of_principal=False)
+            self._regions.append(later)
+            self.areas += (later.area,)
+        n = len(self._regions)
+        self.sums, self.rays, self.stopped = np.zeros((SETS, n, self._tally.n_sums)), 0, False
+        self._done, self._seconds = [0] * n, [0.0] * n
 
-    def numbers(self, rays: int) -> tuple[int, int]:
-        """Share out a set's rays between the girdle cells and the rim, by their areas.
+    def numbers(self, rays: int) -> tuple[int, ...]:
+        """Share out a set's rays between the regions, by their areas.
 
-        Where both together are but a small part of the view, less than all of them are enough.
+        Where all together are but a small part of the view, less than all of them are enough.
         """
-        whole = self.cell_area + self.rim_area + _SMALL * self.view_area
-        cells, rim = (
-            max(_FEWEST, round(rays * area / whole)) if area > 0 else 0
-            for area in (self.cell_area, self.rim_area)
-        )
-        return cells, rim
+        whole = sum(self.areas) + _SMALL * self.view_area
+        return tuple(max(_FEWEST, round(rays * area / whole)) if area > 0 else 0 for area in self.areas)
 
     def go_on(
         self,
-        numbers: tuple[int, int],
+        numbers: tuple[int, ...],
         progress: Callable[[float], None] | None = None,
         budget: Budget | None = None,
     ) -> None:
-        """Go on until each set has so many rays in the girdle cells and on the rim, or time is up."""
+        """Go on until each set has so many rays in each region, or time is up."""
         for k, region in enumerate(self._regions):
             done = self._done[k]
-            if (self.cell_area, self.rim_area)[k] == 0 or done >= numbers[
-                k
-            ]:  # nowhere to put them, or enough
+            if self.areas[k] == 0 or done >= numbers[k]:  # nowhere to put them, or enough
                 continue
             total = self.sums[:, k] * done
             while done < numbers[k]:
@@ -144,17 +144,11 @@ class NearGirdle:
 
     def _trace(self, region: _Region, unit: np.ndarray) -> np.ndarray:
         """Follow the rays of all sets through points of the unit square (SETS, n, 2); (SETS, n_sums)."""
-        solid, facet, model = self._convex.solid, self._convex.facet, self._model
         sets, n, _ = unit.shape
-        states = (sets, n if self._follows_all else 0)
-        random = self._random.integers(1, 1 << 63, states, dtype=np.uint64)
+        random = self._states(sets, n)
 
         def some_sets(part: slice) -> np.ndarray:
-            rays, areas, of = region.rays(unit[part].reshape(-1, 2), random[part].reshape(-1))
-            follow_rays(solid, facet, model.index, model.max_reflections, rays)
-            paths = ray_paths(rays, facet, areas / n, self._convex.stone)
-            of = np.resize(of // n, len(paths))  # later exits come after all others
-            return self._tally.sum_up(paths, of, len(unit[part]))
+            return self._tally.sum_up(self._paths(region, unit[part], random[part]), len(unit[part]))
 
         self.rays += sets * n
         if sets * n < _THREAD_RAYS:
@@ -163,14 +157,44 @@ class NearGirdle:
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             return np.concatenate(list(pool.map(some_sets, map(slice, bounds[:-1], bounds[1:]))))
 
+    def _states(self, sets: int, n: int) -> np.ndarray:
+        """Return states of random numbers, (sets, n) uint64; (sets, 0) for principal light."""
+        shape = (sets, n if self._follows_all else 0)
+        return self._random.integers(1, 1 << 63, shape, dtype=np.uint64)
+
+    def _paths(self, region: _Region, unit: np.ndarray, random: np.ndarray) -> Paths:
+        """Follow rays through points of the unit square (sets, n, 2); return their paths."""
+        convex, n = self._convex, unit.shape[1]
+        rays, areas, of = region.rays(unit.reshape(-1, 2), random.reshape(-1))
+        follow_rays(convex.solid, convex.facet, self._model.index, self._model.max_reflections, rays)
+        return ray_paths(rays, convex.facet, areas / n, convex.stone, of // n)
+
+    def paths(self) -> list[Paths]:
+        """Return paths of as many rays as have been followed: areas of all sets together make the regions."""
+        out = []
+        for k, region in enumerate(self._regions):
+            n = self._done[k]
+            if n == 0:
+                continue
+            unit = (self._shifts[:, k, None] + np.arange(1, n + 1)[:, None] * _STEPS) % 1.0
+            paths = self._paths(region, unit, self._states(SETS, n))
+            assert paths.set_number is not None
+            share = np.full(SETS, 1.0 / SETS)
+            if k == RIM:  # as `found` has it
+                met = paths.area * ((paths.status != RayStatus.MISSED) & (paths.partial_reflections == 0))
+                share = share * self.areas[RIM] / np.maximum(np.bincount(paths.set_number, met, SETS), 1e-300)
+            out.append(replace(paths, area=paths.area * share[paths.set_number]))
+        return out
+
     def found(self) -> np.ndarray:
-        """Return what each set has found in both regions together, (SETS, n_sums) [girdle radius^2].
+        """Return what each set has found in all regions together, (SETS, n_sums) [girdle radius^2].
 
         What the rays have found on the rim is made to cover just its area.
         """
-        rim = self.sums[:, RIM]
-        met = rim[:, [MET]]
-        return np.asarray(self.sums[:, CELLS] + rim * (self.rim_area / np.where(met > 0, met, 1.0)))
+        factor = np.ones((SETS, len(self._regions), 1))
+        met = self.sums[:, RIM, MET]
+        factor[:, RIM, 0] = self.areas[RIM] / np.where(met > 0, met, 1.0)
+        return np.asarray((self.sums * factor).sum(axis=1))
 
 
 class _Region(Protocol):

@@ -75,7 +75,7 @@ _TRAPPED, _LOST = int(RayStatus.TRAPPED), int(RayStatus.LOST)
 
 def empty_rays(n: int, random: np.ndarray | None = None) -> Rays:
     """Return n rays that have met nothing; for all light, if states of random numbers (n,) are given."""
-    if random is None or not len(random):
+    if random is None or len(random) < n:
         return Rays(np.zeros((_NUMBERS, n)), np.zeros((_FACTS, n), np.int64), np.empty(0, np.uint64))
     return Rays(np.zeros((_NUMBERS_OF_ALL, 2 * n)), np.zeros((_FACTS, 2 * n), np.int64), random)
 
@@ -400,7 +400,9 @@ def follow_rays(solid: Any, facet: Any, index: float, max_reflections: int, rays
                     block[row * _LANES + k] = block[row * _LANES + n]
 
 
-def ray_paths(rays: Rays, facet: np.ndarray, area: np.ndarray, stone: Stone) -> Paths:
+def ray_paths(
+    rays: Rays, facet: np.ndarray, area: np.ndarray, stone: Stone, set_number: np.ndarray | None = None
+) -> Paths:
     """Return rays that have been followed as paths.
 
     Parameters
@@ -413,11 +415,14 @@ def ray_paths(rays: Rays, facet: np.ndarray, area: np.ndarray, stone: Stone) -> 
         Area that each stands for; where all light was followed, later exits (n more) the same.
     stone : Stone
         What was traced.
+    set_number : (n,) int64, optional
+        The set that each belongs to, and its later exit too.
     """
     numbers, facts = rays.numbers, rays.facts
     exits, has_all = facts[STATUS] == RayStatus.EXITED, len(rays.random) > 0
     if has_all:
         area = np.concatenate([area, area]) * numbers[FACTOR]
+        set_number = None if set_number is None else np.concatenate([set_number, set_number])
     return Paths(
         area=area,
         weight=numbers[WEIGHT] if has_all else np.ones(len(area)),
@@ -432,5 +437,6 @@ def ray_paths(rays: Rays, facet: np.ndarray, area: np.ndarray, stone: Stone) -> 
         exit_direction=numbers[DIRECTION:COS_ENTRY].T,
         entry_normal=numbers[NORMAL:UNFOLD].T if has_all else None,
         unfolded_exit_normal=numbers[UNFOLD : UNFOLD + 3].T if has_all else None,
+        set_number=set_number,
         stone=stone,
     )

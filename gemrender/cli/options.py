@@ -22,6 +22,7 @@ from gemrender.cli.values import (
 from gemrender.engines import (
     DEFAULT_BOUND,
     DEFAULT_ENGINE,
+    DEFAULT_HEAD,
     DEFAULT_MEMORY_LIMIT,
     DEFAULT_RESOLUTION,
     DEFAULT_TIME_LIMIT,
@@ -39,12 +40,14 @@ __all__ = [
     "AnyStones",
     "EngineOptions",
     "MaterialOptions",
+    "MeasureOptions",
     "ModelOptions",
     "OneStone",
     "Stones",
     "TableOptions",
     "ViewOptions",
     "bundled_names",
+    "measure_options",
     "output_option",
     "prepare_engine",
     "trace_options",
@@ -246,6 +249,37 @@ class ViewOptions:
     tilt_azimuth: TiltAzimuth = 0.0
 
 
+def _measure_names() -> tuple[str, ...]:
+    from gemrender.measures import measures
+
+    return ("all", *(measure.name for measure in measures()))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MeasureOptions:
+    """What else to measure."""
+
+    measures: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME,...",
+            help="Further measures, with commas between them, or all (see: gemrender measures).",
+            autocompletion=complete_words(_measure_names),
+            rich_help_panel=MODEL,
+        ),
+    ] = None
+    head: Annotated[
+        float,
+        number_option(
+            "--head",
+            "degrees",
+            "Half the angle at which the viewer's head is seen from the stone, 0 to below 90.",
+            metavar="DEGREES",
+            rich_help_panel=VIEW,
+        ),
+    ] = DEFAULT_HEAD
+
+
 # ---- Output --------------------------------------------------------------------------------------------
 
 Format = Annotated[
@@ -302,6 +336,21 @@ def trace_options(
         "time_limit": engine.time,
         "memory_limit": engine.memory,
     }
+
+
+def measure_options(of: MeasureOptions) -> dict[str, Any]:
+    """Name the options as `gemrender.score` does, checked.
+
+    Raises
+    ------
+    InputError
+        A measure that there is not, or a head out of range.
+    """
+    from gemrender.engines import check_head
+    from gemrender.measures import chosen_measures
+
+    chosen = None if of.measures is None else chosen_measures(of.measures)
+    return {"measures": chosen, "head": check_head(of.head)}
 
 
 def view_and_model(stone: Stone, options: dict[str, Any]) -> tuple[View, Model]:

@@ -20,6 +20,7 @@ from gemrender.cli.compare import compare
 from gemrender.cli.convert import convert
 from gemrender.cli.crosscheck import crosscheck
 from gemrender.cli.inspect import inspect
+from gemrender.cli.measures import measures
 from gemrender.cli.output import say
 from gemrender.cli.render import render
 from gemrender.cli.report import report
@@ -59,7 +60,7 @@ app = typer.Typer(
 
 for _command in (
     score, compare, sensitivity, show, report, render, symmetry, crosscheck, scene, convert, inspect,
-    stones, setups, materials, doctor,
+    stones, setups, materials, measures, doctor,
 ):  # fmt: skip
     app.command()(_command)
 

@@ -10,9 +10,11 @@ from gemrender.cli.groups import command
 from gemrender.cli.options import (
     EngineOptions,
     MaterialOptions,
+    MeasureOptions,
     ModelOptions,
     TableOptions,
     ViewOptions,
+    measure_options,
     output_option,
     prepare_engine,
     trace_options,
@@ -37,25 +39,26 @@ def score(
     of: MaterialOptions,
     model: ModelOptions,
     view: ViewOptions,
+    measured: MeasureOptions,
     table: TableOptions,
     out: Annotated[str | None, output_option("Where to write each stone's maps, as EXR and PNG.")] = None,
 ) -> None:
-    """Score stones: Average, Rear and the bands of the top view."""
-    from gemrender.report.tables import score_record, score_table, score_values
+    """Score stones: Average, Rear and the bands of the top view, and further measures."""
+    from gemrender.report.tables import score_record, score_tables, score_values
 
     form = table.chosen
-    options = trace_options(engine, model, view)
+    options, measures = trace_options(engine, model, view), measure_options(measured)
     loaded = load(given.stones, options, given.settings, of.material)
     prepare_engine(options, loaded.samples, out)
     started = time.monotonic()
-    scored = _scores(loaded, options, out)
+    scored = _scores(loaded, options, measures, out)
     if form == "csv":  # line by line: what is done is not lost when the rest is interrupted
         print_csv(score_record(s, loaded.setting(i)) for i, s in enumerate(scored))
     else:
         scores = list(scored)
         print_records(
             form,
-            tables=lambda: [score_table(scores, loaded.settings, loaded.notes)],
+            tables=lambda: score_tables(scores, loaded.settings, loaded.notes),
             values=lambda: [score_values(s, loaded.setting(i)) for i, s in enumerate(scores)],
             records=list,
         )
@@ -67,7 +70,9 @@ def score(
         say(f"maps written to {out}")
 
 
-def _scores(loaded: LoadedStones, options: dict[str, Any], out: str | None) -> Iterator[Score]:
+def _scores(
+    loaded: LoadedStones, options: dict[str, Any], measures: dict[str, Any], out: str | None
+) -> Iterator[Score]:
     """Score the stones one after the other; with `out`, write their maps."""
     from gemrender.engines import observe
     from gemrender.report.files import file_stems, prepare_folder, write_observation
@@ -80,9 +85,10 @@ def _scores(loaded: LoadedStones, options: dict[str, Any], out: str | None) -> I
         for i, stone in enumerate(loaded.stones):
             traced = {"progress": step(i, stone.name), **options}
             if folder is None:
-                yield score_stone(stone, **traced)
+                yield score_stone(stone, **measures, **traced)
                 continue
             observation = observe(stone, **traced)
-            yield score_observation(observation)
+            of_map = score_observation(observation)
+            yield of_map if measures["measures"] is None else score_stone(stone, **measures, **traced)
             write_observation(observation, folder, stems[i])
             del observation  # before the next one is made: at 4096 x 4096 its maps take 0.8 GB

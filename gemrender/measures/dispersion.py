@@ -63,6 +63,7 @@ class Dispersion(Measure):
     keys = ("value", "weighted")
     channels = ("angle", "area", "weighted_angle", "weighted_area")
     follow = "principal"
+    unit = "deg"
     is_axial = True
 
     def contributions(self, light: Light) -> np.ndarray:

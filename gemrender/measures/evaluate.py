@@ -57,17 +57,25 @@ class Evaluation:
 def contributions(measure: Measure, light: Light) -> np.ndarray:
     """Return what each path adds to each channel of a measure, (n, k).
 
+    Of a measure of the principal light these are the paths of `light.principal`.
+
     Raises
     ------
     ValueError
         The measure returns another shape.
     """
+    light = light_of(measure, light)
     found = np.asarray(measure.contributions(light), dtype=np.float64)
     found = found[:, None] if found.ndim == 1 else found
     expected = (len(light), len(measure.channels or measure.keys))
     if found.shape != expected:
         raise ValueError(f"contributions of {measure.name} must have shape {expected}, got {found.shape}")
     return found
+
+
+def light_of(measure: Measure, light: Light) -> Light:
+    """Return the light that a measure is given: all of it, or the principal paths."""
+    return light.principal if measure.follow == "principal" else light
 
 
 def evaluate(
@@ -90,26 +98,24 @@ def evaluate(
     dict of Evaluation
         By the measures' names.
     """
-    widths = [len(measure.channels or measure.keys) for measure in measures]
-    ends = np.cumsum([0, *widths])
+    ends = np.cumsum([0, *(len(measure.channels or measure.keys) for measure in measures)])
     sums, by_set = np.zeros(ends[-1] + 1), np.zeros((0, ends[-1] + 1))  # the area last
     told: list[dict[str, Any]] = [{} for _ in measures]
     for light in lights:
-        area = light.paths.area.real
-        parts = [contributions(measure, light) for measure in measures]
-        columns = [column for part in parts for column in part.T] + [np.where(light.is_principal, 1.0, 0.0)]
-        sets = light.paths.set_number
-        if sets is None:
-            # By einsum: BLAS would start threads for each.
-            sums += [np.einsum("i,i->", area, column) for column in columns]
-            if details:
-                for known, measure in zip(told, measures, strict=True):
-                    known |= measure.details(light)
-        elif len(sets):
-            n_sets = max(len(by_set), int(sets.max()) + 1)
-            by_set = np.pad(by_set, ((0, n_sets - len(by_set)), (0, 0)))
-            for k, column in enumerate(columns):
-                by_set[:, k] += np.bincount(sets, area * column, n_sets)
+        n_sets = 0 if light.paths.set_number is None else int(light.paths.set_number.max(initial=-1)) + 1
+        by_set = np.pad(by_set, ((0, max(n_sets - len(by_set), 0)), (0, 0)))
+        parts = [(light_of(measure, light), contributions(measure, light)) for measure in measures]
+        parts.append((light.principal, light.principal.is_principal[:, None].astype(np.float64)))
+        columns = [(of.paths, column) for of, part in parts for column in part.T]
+        for k, (paths, column) in enumerate(columns):
+            if paths.set_number is None:
+                # By einsum: BLAS would start threads for each.
+                sums[k] += np.einsum("i,i->", paths.area.real, column)
+            else:
+                by_set[:, k] += np.bincount(paths.set_number, paths.area.real * column, len(by_set))
+        if details and light.paths.set_number is None:
+            for known, measure in zip(told, measures, strict=True):
+                known |= measure.details(light_of(measure, light))
     return {
         measure.name: Evaluation(
             measure=measure,

@@ -13,6 +13,7 @@ __all__ = ["VirtualFacetSizes", "half_area_number"]
 
 #: Smaller ones are slivers of rounding [share of the view].
 _SMALLEST = 1e-12
+_ZONES = ("green", "red", "blue", "leak")
 
 
 def half_area_number(sizes: np.ndarray) -> int:
@@ -34,6 +35,10 @@ class VirtualFacetSizes(Measure):
     )
     source = "virtual facets: Sasian, Quick, Sheffield, Caudill & Yantzer, Opt. Eng. 46, 093604 (2007)"
     keys = ()
+    detail_keys = (
+        "number", "half", "largest", "median",
+        *(f"{name}_{what}" for name in _ZONES for what in ("number", "share", "half")),
+    )  # fmt: skip
     follow = "principal"
     is_axial = True
 
@@ -56,7 +61,7 @@ class VirtualFacetSizes(Measure):
             "largest": float(sizes.max(initial=0.0)),
             "median": float(np.median(sizes)) if len(sizes) else 0.0,
         }
-        for name in ("green", "red", "blue", "leak"):
+        for name in _ZONES:
             of_zone = sizes[zones == ZONES.index(name)]
             out[f"{name}_number"] = len(of_zone)
             out[f"{name}_share"] = float(of_zone.sum())

@@ -37,7 +37,7 @@ class GemRay(SkyMeasure):
         """Return what counts by GemRay's rules, (n, 6): together, inside, surface, tied, table, its share."""
         paths = light.paths
         is_counted = (paths.reflections < MOST_HITS) & (light.arriving >= LEAST_WEIGHT)
-        internal, surface, tied = sky_light(light, self.sky).T
+        internal, surface, tied = sky_light(light, self.sky)
         internal = np.where(is_counted, internal, 0.0)
         together = internal + surface
         is_table = (paths.stone.facet_normals[:, 2] > TABLE_RISE)[paths.entry_facet]

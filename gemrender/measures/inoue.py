@@ -85,7 +85,6 @@ def sum_up(
     paths: Paths,
     rear: np.ndarray,
     intensity: np.ndarray,
-    sets: np.ndarray | None = None,
     n_sets: int = 1,
 ) -> np.ndarray:
     """Sum up areas by what became of the principal light, each set of paths by itself.
@@ -96,8 +95,8 @@ def sum_up(
         The paths.
     rear, intensity : (n,) bool, (n,) float64
         Which are rear light, and their intensity (0 to 1).
-    sets, n_sets : (n,) int64, int
-        The set that each belongs to, and how many there are; by default one.
+    n_sets : int
+        How many sets there are (`Paths.set_number`); without sets all paths are one.
 
     Returns
     -------
@@ -105,7 +104,7 @@ def sum_up(
         Areas [stone's unit^2], INTENSITY of area times intensity.
     """
     out = np.zeros((n_sets, N_SUMS))
-    sets = np.zeros(len(paths), dtype=np.int64) if sets is None else sets
+    sets = np.zeros(len(paths), dtype=np.int64) if paths.set_number is None else paths.set_number
     out[:, INTENSITY] = np.bincount(sets, paths.area * intensity, n_sets)
     column = _columns(paths, rear, intensity)
     met = np.flatnonzero((paths.status != RayStatus.MISSED) & (paths.partial_reflections == 0))

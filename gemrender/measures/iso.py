@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from gemrender.measures.measure import Light, Measure, in_columns
 
 __all__ = ["HEAD_WORDS", "SKIES", "Iso", "SkyMeasure", "sky_light"]
 
-#: Brightness of the sky at a cosine d with the viewer's zenith, 0 < d <= 1, for each name; and as a formula.
+#: Brightness of each sky at a cosine d with the viewer's zenith, 0 < d <= 1; and as a formula.
 SKIES: dict[str, tuple[Callable[[np.ndarray], np.ndarray], str]] = {
     "iso": (np.ones_like, "1"),
     "cos": (np.asarray, "d"),
@@ -22,37 +22,34 @@ HEAD_WORDS = (
 )
 
 
-def sky_light(light: Light, sky: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-    """Return what each path brings from the sky between the horizon and the head (`measures.md`, `iso`).
+def sky_light(light: Light, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return what each path brings from the open sky, between the horizon and the viewer's head.
 
     Parameters
     ----------
     light : Light
         All light.
-    sky : callable
-        Brightness by the cosine with the viewer's zenith.
+    name : {"iso", "cos", "sc2"}
+        The sky.
 
     Returns
     -------
-    (n, 3) float64
-        Shares from inside, mirrored by the surface, and at a limit of the sky within rounding, times the
-        brightness there.
+    three (n,) float64
+        Brightness times the share that comes from inside; that the surface mirrors; and that comes from a
+        limit of the sky within rounding.
     """
-    ties, mirrored_ties = light.sky_ties
-    internal, tied = _seen(sky, light.zenith_cosine, light.sky_share, ties)
-    surface, tied_too = _seen(sky, light.mirror_cosine, light.mirrored_sky, mirrored_ties)
-    return in_columns(internal, surface, tied + tied_too)
 
+    def work() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        sky, _ = SKIES[name]
+        from_inside, mirrored = sky(light.zenith_cosine), sky(light.mirror_cosine)
+        tied, mirrored_ties = light.sky_ties
+        return (
+            light.sky_share * from_inside,
+            light.mirrored_sky * mirrored,
+            tied * from_inside + mirrored_ties * mirrored,
+        )
 
-def _seen(
-    sky: Callable[[np.ndarray], np.ndarray], cosine: np.ndarray, *shares: np.ndarray
-) -> Iterator[np.ndarray]:
-    """Yield shares (n,) times the sky's brightness; most are 0."""
-    for share in shares:
-        rows = np.flatnonzero(share)
-        out = np.zeros(len(share))
-        out[rows] = share[rows] * sky(cosine[rows])
-        yield out
+    return light.once(f"sky {name}", work)
 
 
 class SkyMeasure(Measure):
@@ -68,12 +65,12 @@ class SkyMeasure(Measure):
     is_axial = True
 
     def __init__(self, sky: str) -> None:
-        self.sky, self.formula = SKIES[sky]
+        self.sky, self.formula = sky, SKIES[sky][1]
 
     def contributions(self, light: Light) -> np.ndarray:
         """Return the light from inside and from the surface, (n, 4): together, each, and tied."""
-        found = sky_light(light, self.sky)
-        return in_columns(found[:, 0] + found[:, 1], *found.T)
+        internal, surface, tied = sky_light(light, self.sky)
+        return in_columns(internal + surface, internal, surface, tied)
 
 
 class Iso(SkyMeasure):

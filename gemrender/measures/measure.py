@@ -16,9 +16,10 @@ One of your own is a class with a `contributions` method::
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -27,6 +28,8 @@ from gemrender.optics.fresnel import reflectance, transmittance
 from gemrender.paths import Paths
 
 __all__ = ["HEAD_DEG", "TIE", "Light", "Measure", "in_columns", "is_above", "is_tied"]
+
+T = TypeVar("T")
 
 #: Half the angle at which the viewer's head is seen from the stone [deg].
 HEAD_DEG = 10.0
@@ -52,6 +55,21 @@ class Light:
     view: View
     model: Model
     head_deg: float = HEAD_DEG
+    _found: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
+
+    def once(self, key: str, work: Callable[[], T]) -> T:
+        """Return what `work` returns, under a key of its own: worked out once, for all that ask for it."""
+        if key not in self._found:
+            self._found[key] = work()
+        found: T = self._found[key]
+        return found
+
+    @cached_property
+    def principal(self) -> Light:
+        """The principal paths alone: what measures of the principal light are given."""
+        if not self.paths.partial_reflections.any():
+            return self
+        return replace(self, paths=self.paths.rows(np.flatnonzero(self.paths.partial_reflections == 0)))
 
     def __len__(self) -> int:
         return len(self.paths)
@@ -177,8 +195,10 @@ class Measure:
         Names of what `contributions` yields, in order, which are those of its maps; by default `keys`.
     unit : str
         Unit of its values. Rays are followed until values in per cent are within the wanted bound.
+    detail_keys : tuple of str
+        Names of what `details` returns.
     follow : {"principal", "all"}
-        The light that it needs.
+        The light that it needs; of the principal light it is given the principal paths only.
     is_axial : bool
         Whether it is the same for every stone that a rotation about the eye's direction or a mirror plane
         through it yields; then a part of a symmetric stone's view is enough.
@@ -193,6 +213,7 @@ class Measure:
     keys: tuple[str, ...] = ("value",)
     channels: tuple[str, ...] = ()
     unit: str = "%"
+    detail_keys: tuple[str, ...] = ()
     follow: str = "all"
     is_axial: bool = False
     views: str = "one"

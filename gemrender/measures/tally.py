@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from gemrender.measures import inoue
+from gemrender.measures.evaluate import contributions, light_of
 from gemrender.measures.measure import HEAD_DEG, Light, Measure
 from gemrender.observation import Model, RayStatus, View
 from gemrender.paths import Paths
@@ -33,8 +34,8 @@ class Tally:
     Attributes
     ----------
     n_sums : int
-        Numbers that are summed up: first those of `inoue.sum_up`, then `REST`, then the channels of each
-        measure.
+        Numbers that are summed up: first those of `inoue.sum_up`; where there are measures, then `REST` and
+        the channels of each.
     follows_all : bool
         Whether a measure needs all light.
     is_axial : bool
@@ -50,17 +51,10 @@ class Tally:
         numbers = [len(measure.channels or measure.keys) for measure in measures]
         ends = REST + 1 + np.cumsum(numbers, dtype=np.int64)
         self._columns = [slice(end - n, end) for end, n in zip(ends, numbers, strict=True)]
-        self.n_sums = REST + 1 + sum(numbers)
+        self.n_sums = REST + 1 + sum(numbers) if measures else inoue.N_SUMS
 
-    def sum_up(self, paths: Paths, sets: np.ndarray | None = None, n_sets: int = 1) -> np.ndarray:
-        """Sum up paths, each set of them by itself.
-
-        Parameters
-        ----------
-        paths : Paths
-            The paths.
-        sets, n_sets : (n,) int64, int
-            The set that each belongs to, and how many there are; by default one.
+    def sum_up(self, paths: Paths, n_sets: int = 1) -> np.ndarray:
+        """Sum up paths, each set of them (`Paths.set_number`) by itself; without sets all are one.
 
         Returns
         -------
@@ -70,13 +64,14 @@ class Tally:
         rear = inoue.rear_mask(paths, self.model)
         intensity = inoue.primary_intensity(paths, self.model, rear)
         out = np.zeros((n_sets, self.n_sums))
-        out[:, : inoue.N_SUMS] = inoue.sum_up(paths, rear, intensity, sets, n_sets)
+        out[:, : inoue.N_SUMS] = inoue.sum_up(paths, rear, intensity, n_sets)
         if self.measures:
             light = self.light(paths)
             is_left = np.isin(paths.status, _INSIDE) & (paths.partial_reflections > 0)
-            out[:, REST] = _sums(light, is_left * light.arriving, sets, n_sets)[:, 0]
+            out[:, REST] = _sums(paths, (is_left * light.arriving)[:, None], n_sets)[:, 0]
             for measure, columns in zip(self.measures, self._columns, strict=True):
-                out[:, columns] = _sums(light, measure.contributions(light), sets, n_sets)
+                of = light_of(measure, light)
+                out[:, columns] = _sums(of.paths, contributions(measure, of), n_sets)
         return out
 
     def light(self, paths: Paths) -> Light:
@@ -92,12 +87,12 @@ class Tally:
         ]
 
 
-def _sums(light: Light, added: np.ndarray, sets: np.ndarray | None, n_sets: int) -> np.ndarray:
-    """Sum up what each path adds per unit of its area, (n,) or (n, k); (n_sets, k)."""
-    added, area = (added[:, None] if added.ndim == 1 else added), light.paths.area
-    if sets is None:
-        return np.asarray(area @ added)[None]
+def _sums(paths: Paths, added: np.ndarray, n_sets: int) -> np.ndarray:
+    """Sum up what each path adds per unit of its area, (n, k); (n_sets, k)."""
     out = np.empty((n_sets, added.shape[1]))
     for k, column in enumerate(added.T):
-        out[:, k] = np.bincount(sets, area * column, n_sets)
+        if paths.set_number is None:  # by einsum: BLAS would start threads for each
+            out[:, k] = np.einsum("i,i->", paths.area, column)
+        else:
+            out[:, k] = np.bincount(paths.set_number, paths.area * column, n_sets)
     return out

@@ -27,6 +27,7 @@ class WlrLike(Measure):
     )
     source = "after Hemphill, Reinitz, Johnson & Shigley, Gems & Gemology 34, 158 (1998)"
     channels = ("returned", "fallen")
+    unit = ""
     is_axial = True
     views = "hemisphere"
 

@@ -14,7 +14,7 @@ from gemrender.scene.generator import rows_window, sensor, stone_scene
 from gemrender.scene.loading import load_scene
 from gemrender.stone import Stone
 
-__all__ = ["film_rays", "follow", "observe", "sensor_rays"]
+__all__ = ["film_rays", "follow", "observe", "rows_of_pass", "sensor_rays", "view_passes"]
 
 #: Rays of a pass: enough to keep all cores busy, few enough that a pass stays well below 1 GiB.
 PASS_RAYS = 1 << 21
@@ -53,17 +53,19 @@ def observe(
     model = model or Model.of(stone)
     ensure_variant(variant)
     start = time.perf_counter()
-    scene: Any = load_scene(stone_scene(stone, view, model, rows=_rows_of_pass(view)))
+    rows = rows_of_pass(view)
+    scene: Any = load_scene(stone_scene(stone, view, model, rows=rows))
+    eye = scene.sensors()[0]
     maps: dict[str, Any] = {
         name: np.empty((*view.shape, 3) if len(channels) == 3 else view.shape, dtype=MAP_TYPES[name])
         for name, channels in MAP_CHANNELS.items()
     }
-    for first, kept, ray in _passes(scene.sensors()[0], view):
-        channels = follow(scene, ray)
+    for first, kept in view_passes(eye, view, rows):
+        channels = follow(scene, film_rays(eye))
         for name, of_map in MAP_CHANNELS.items():
-            rows = maps[name][first : first + kept]
+            of_pass = maps[name][first : first + kept]
             for k, channel in enumerate(of_map):
-                part = rows if len(of_map) == 1 else rows[..., k]
+                part = of_pass if len(of_map) == 1 else of_pass[..., k]
                 part[:] = channels[channel].reshape(-1, view.resolution)[:kept]
         if progress is not None:
             progress((first + kept) / view.resolution)
@@ -88,8 +90,10 @@ def sensor_rays(view: View, *, variant: str) -> tuple[np.ndarray, np.ndarray]:
     """
     ensure_variant(variant)
     origin, direction = np.empty((*view.shape, 3)), np.empty((*view.shape, 3))
-    made: Any = load_scene(sensor(view, rows=_rows_of_pass(view)))
-    for first, kept, ray in _passes(made, view):
+    rows = rows_of_pass(view)
+    eye: Any = load_scene(sensor(view, rows=rows))
+    for first, kept in view_passes(eye, view, rows):
+        ray = film_rays(eye)
         for whole, values in ((origin, ray.o), (direction, ray.d)):
             # One direction serves all rays of a pass.
             of_pass = np.broadcast_to(np.array(values).T, (len(np.array(ray.o).T), 3))
@@ -111,36 +115,36 @@ def follow(scene: Any, ray: Any) -> dict[str, np.ndarray]:
     return {name: np.asarray(values) for name, values in zip(names, aovs, strict=True)}
 
 
-def film_rays(sensor: Any) -> Any:
-    """Return the sensor's rays through the middle of each pixel of its film, row by row."""
+def film_rays(sensor: Any, sampler: Any = None) -> Any:
+    """Return the sensor's rays, row by row: through the middle of each pixel, or where the sampler says."""
     import drjit as dr
     import mitsuba as mi
 
     columns, rows = sensor.film().size()
     pixel = dr.arange(mi.UInt32, columns * rows)
     row = pixel // columns
+    inside = mi.Point2f(0.5) if sampler is None else sampler.next_2d()
     place = mi.Point2f(
-        (mi.Float(pixel - row * columns) + 0.5) / columns,
-        (mi.Float(row) + 0.5) / rows,
+        (mi.Float(pixel - row * columns) + inside.x) / columns,
+        (mi.Float(row) + inside.y) / rows,
     )
     ray, _ = sensor.sample_ray_differential(0.0, 0.5, place, mi.Point2f(0.5))
     return ray
 
 
-def _rows_of_pass(view: View) -> int:
-    """Rows of each pass over the view; the last may reach beyond it."""
-    passes = -(-(view.resolution**2) // PASS_RAYS)
-    return -(-view.resolution // passes)
+def rows_of_pass(view: View, most: int = PASS_RAYS) -> int:
+    """Rows of each pass over the view, of at most about so many rays; the last may reach beyond it."""
+    n_passes = -(-(view.resolution**2) // most)
+    return -(-view.resolution // n_passes)
 
 
-def _passes(sensor: Any, view: View) -> Iterator[tuple[int, int, Any]]:
-    """Move the sensor's window over the view; yield the first row, the rows that count, and the rays."""
+def view_passes(sensor: Any, view: View, rows: int) -> Iterator[tuple[int, int]]:
+    """Move the sensor's window over the view; yield the first row, and the rows that count."""
     import mitsuba as mi
 
-    rows = _rows_of_pass(view)
     parameters = mi.traverse(sensor)
     for first in range(0, view.resolution, rows):
         for key, value in rows_window(view, first, rows).items():
             parameters[key] = value
         parameters.update()
-        yield first, min(rows, view.resolution - first), film_rays(sensor)
+        yield first, min(rows, view.resolution - first)

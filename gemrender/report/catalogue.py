@@ -1,4 +1,4 @@
-"""What there is, as tables and records: bundled stones, set-ups, materials; and what `doctor` found."""
+"""What there is, as tables and records: stones, set-ups, materials, measures; and what `doctor` found."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import asdict
 from typing import Any
 
 from gemrender.cuts import bundled_stones, load_stone
+from gemrender.measures import measures
 from gemrender.optics import material_names
 from gemrender.optics.material_sheet import material_sheet
 from gemrender.render.diagnosis import Check
@@ -19,6 +20,8 @@ __all__ = [
     "check_table",
     "material_records",
     "material_table",
+    "measure_records",
+    "measure_table",
     "setup_records",
     "setup_table",
     "sheet_table",
@@ -165,6 +168,39 @@ def sheet_table(names: Sequence[str]) -> TextTable:
         for words in record["notes"]:
             table.note(f"{record['name']}: {words}.", style="yellow" if "continued" in words else "")
     table.note("n at G 430.8, F 486.1, D 589.3, C 656.3 and B 686.7 nm; Abbe: (n D - 1)/(n F - n C).")
+    return table
+
+
+def measure_records() -> list[dict[str, Any]]:
+    """Return the measures, a record each; the light is all that is followed, or the principal light."""
+    return [
+        {
+            "name": measure.name,
+            "version": measure.version,
+            "definition": measure.definition,
+            "source": measure.source,
+            "values": [*measure.keys, *measure.detail_keys],
+            "light": measure.follow,
+        }
+        for measure in measures()
+    ]
+
+
+def measure_table() -> TextTable:
+    """Return the measures with their definition and source."""
+    table = TextTable(
+        [
+            Column("Measure", is_text=True),
+            Column("Version"),
+            Column("Definition", is_text=True, wraps=True),
+            Column("Source", is_text=True, wraps=True),
+        ],
+        ruled=True,
+    )
+    for record in measure_records():
+        table.rows.append([record["name"], str(record["version"]), record["definition"], record["source"]])
+    table.note("Values are means over the view in per cent, unless the definition says otherwise.")
+    table.note("w: light inside; R: reflectance at a crossing, (Rs + Rp)/2 by Fresnel; T = 1 - R.")
     return table
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import replace
@@ -25,6 +26,7 @@ __all__ = [
     "model_text",
     "score_record",
     "score_table",
+    "score_tables",
     "score_values",
 ]
 
@@ -101,6 +103,48 @@ def score_table(
     return table
 
 
+def score_tables(
+    scores: Sequence[Score], settings: Sequence[dict[str, Any]] = (), notes: Sequence[str] = ()
+) -> list[TextTable]:
+    """Return the table of scores, and one of further measures if there are any; parameters as before."""
+    tables = [score_table(scores, settings, notes)]
+    if any(score.measures for score in scores):
+        tables.append(measures_table(scores))
+    return tables
+
+
+def measures_table(scores: Sequence[Score]) -> TextTable:
+    """Return a row for each value of each measure, a column a stone.
+
+    Parameters
+    ----------
+    scores : sequence of Score
+        At least one, all of the same measures.
+    """
+    table = TextTable([
+        Column("Measure", is_text=True),
+        Column("Value", is_text=True),
+        *(Column(score.name, rank=k) for k, score in enumerate(scores)),
+    ])  # fmt: skip
+    for found in zip(*(score.measures or () for score in scores), strict=True):
+        rows = [of.values | of.details for of in found]
+        for k, key in enumerate(rows[0]):
+            cells = [_measured(row[key], of.bound) for row, of in zip(rows, found, strict=True)]
+            table.rows.append([found[0].name if k == 0 else "", "" if key == "value" else key, *cells])
+        if found[0].bound is not None and found[0].values:
+            cells = [f"±{bound_text(of.bound or 0.0)}" for of in found]
+            table.rows.append(["", "bound", *cells])
+    table.note("Definitions and sources: gemrender measures.")
+    return table
+
+
+def _measured(value: Any, bound: float | None) -> str:
+    """Return a value in words, with as many decimals as its bound is worth."""
+    if isinstance(value, int):
+        return str(value)
+    return "–" if math.isnan(value) else f"{value:.{2 if bound is None or bound > 1e-3 else 3}f}"
+
+
 def _explain(table: TextTable, scores: Sequence[Score], exact: bool) -> None:
     first = scores[0]
     table.note("Average: mean intensity; the rest: shares of the top view; all in per cent.")
@@ -161,13 +205,19 @@ def score_record(score: Score, settings: dict[str, Any] | None = None) -> dict[s
     values = score.to_dict()
     facets = values.pop("facets")
     last = {key: values.pop(key) for key in ("assumed", "notes")}
+    measures = values.pop("measures", {})
     values.pop("bands")
     first = {"name": values.pop("name"), **(settings or {})}
     main = {key: values.pop(key) for key in ("average", "rear")}
     bands = {band_key(b): b.share for b in score.bands}
     how = {key: values.pop(key) for key in ("trapped", "lost", "bound", "engine", "index", "rear_rule")}
     number = None if facets is None else facets["number"]
-    return {**first, **main, **bands, **how, **values, "facets": number, **last}
+    measured = {
+        name if key == "value" else f"{name}_{key}": value
+        for name, of in measures.items()
+        for key, value in of.items()
+    }
+    return {**first, **main, **bands, **how, **values, "facets": number, **last, **measured}
 
 
 # ---- Cross-checks --------------------------------------------------------------------------------------

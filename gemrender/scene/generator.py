@@ -10,7 +10,14 @@ from gemrender.stone import Stone
 __all__ = ["film", "integrator", "sensor", "stone_scene"]
 
 
-def stone_scene(stone: Stone, view: View, model: Model, *, rows: int | None = None) -> dict[str, Any]:
+def stone_scene(
+    stone: Stone,
+    view: View,
+    model: Model,
+    *,
+    rows: int | None = None,
+    follow: str = "principal",
+) -> dict[str, Any]:
     """Return the scene of the paper: the stone under a uniform upper hemisphere, seen by parallel rays.
 
     Parameters
@@ -23,6 +30,8 @@ def stone_scene(stone: Stone, view: View, model: Model, *, rows: int | None = No
         The optical model.
     rows : int, optional
         Rows of the film, where a map is rendered in passes; by default the view's.
+    follow : {"principal", "all"}
+        Which light is followed; all of it by random numbers.
 
     Returns
     -------
@@ -31,13 +40,17 @@ def stone_scene(stone: Stone, view: View, model: Model, *, rows: int | None = No
     """
     from gemrender.scene.mesh import stone_mesh
 
-    return {
+    scene = {
         "type": "scene",
         "integrator": integrator(model),
         "sensor": sensor(view, rows=rows),
         "light": {"type": "gem_hemisphere"},
         "stone": stone_mesh(stone, bsdf=dielectric(model.index)),
     }
+    if follow != "principal":
+        scene["integrator"]["follow"] = follow
+        scene["sensor"]["sampler"] = {"type": "independent", "sample_count": 1}
+    return scene
 
 
 def dielectric(index: float) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from gemrender.beam.compiled import STEP
 from gemrender.beam.crossing import into_air, into_stone
 from gemrender.beam.facets import along_paths
 from gemrender.beam.measure import BOUND_RANGE, facet_sums
-from gemrender.beam.near_girdle import NearGirdle
+from gemrender.beam.near_girdle import CELLS, RIM, NearGirdle
 from gemrender.beam.view_area import view_area
 from gemrender.cuts import RoundBrilliant, load_stone, stone_from_vertices
 from gemrender.cuts.random import random_brilliant
@@ -272,9 +272,9 @@ def test_a_stone_without_girdle_cells_takes_no_rays_for_them():
     """As one that was moved to where its last girdle cell vanished, asked for as many rays as before."""
     stone = beam_stone(load_stone("inoue-3"))
     near = NearGirdle(stone, trace_facets(stone, whole=False), seed=1)
-    assert near.cell_area == 0
+    assert near.areas[CELLS] == 0
     near.go_on((50, 50))
-    assert near.found()[:, MET] == pytest.approx(near.rim_area)
+    assert near.found()[:, MET] == pytest.approx(near.areas[RIM])
 
 
 @pytest.mark.parametrize("bound", [0, -1, 11, float("nan"), True, "small", None])

@@ -41,6 +41,7 @@ PRINTING = {
     "setups": ["setups"],
     "materials": ["materials"],
     "one material": ["materials", "diamond"],
+    "measures": ["measures"],
 }
 
 
@@ -78,7 +79,7 @@ def test_csv_has_every_digit_of_json(gemrender):
 
 COMMANDS = (
     "score", "compare", "sensitivity", "show", "report", "render", "symmetry", "crosscheck", "scene",
-    "stones", "setups", "materials", "doctor",
+    "stones", "setups", "materials", "measures", "doctor",
 )  # fmt: skip
 
 # ---- Widths ----------------------------------------------------------------------------------------------

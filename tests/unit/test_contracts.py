@@ -26,6 +26,7 @@ COMMANDS = {
     "stones": ["stones"],
     "setups": ["setups"],
     "materials": ["materials"],
+    "measures": ["measures"],
     "doctor": ["doctor"],
 }
 
