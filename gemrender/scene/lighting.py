@@ -14,7 +14,6 @@ from gemrender.colorimetry import (
     white_xyz,
     xyz_to_linear_srgb,
 )
-from gemrender.errors import InputError
 from gemrender.scene.placing import towards
 from gemrender.scene.setup import Light, Setup
 from gemrender.scene.zones import Zone, layers
@@ -23,8 +22,9 @@ __all__ = ["lights", "reflectance", "sky"]
 
 #: Where spectra are written down [nm]: Mitsuba's range, in the steps of CIE's tables.
 _SPECTRUM_NM = np.arange(360.0, 831.0, 5.0)
-#: How far discs stand in place of zones, and how wide one stands in place of all below [girdle radius].
-_FAR, _ENDLESS = 1e4, 1e6
+#: Radius of the can that stands in place of zones [girdle radius], and elevation of its ends' rims, where no
+#: zone's limit is nearer to a pole [deg].
+_FAR, _END_DEG = 1e4, 45.0
 
 
 def lights(setup: Setup, target: np.ndarray, stock: bool) -> dict[str, Any]:
@@ -91,7 +91,7 @@ def _facing(light: Light, place: np.ndarray, target: np.ndarray) -> Any:
     return mi.ScalarTransform4f().look_at(place.tolist(), target.tolist(), up)
 
 
-def sky(setup: Setup, target: np.ndarray, points: np.ndarray, stock: bool) -> dict[str, Any]:
+def sky(setup: Setup, target: np.ndarray, stock: bool) -> dict[str, Any]:
     """Return the sky of a set-up, and what stands in place of it where plugins are Mitsuba's own.
 
     Parameters
@@ -100,15 +100,8 @@ def sky(setup: Setup, target: np.ndarray, points: np.ndarray, stock: bool) -> di
         The set-up.
     target : (3,) float64
         The stones' middle [scene unit].
-    points : (n, 3) float64
-        The stones' corners [scene unit].
     stock : bool
         Whether to use Mitsuba's own plugins only.
-
-    Raises
-    ------
-    InputError
-        Zones that Mitsuba's own plugins have no light for.
     """
     of = setup.sky
     if of.is_dark:
@@ -116,7 +109,7 @@ def sky(setup: Setup, target: np.ndarray, points: np.ndarray, stock: bool) -> di
     if of.type == "zones":
         axis = towards(setup.camera.elevation, setup.camera.azimuth)
         if stock:
-            return _discs_of_zones(setup, axis, target, float(np.linalg.norm(points - target, axis=1).max()))
+            return _can_of_zones(setup, axis, target)
         bands = layers(of.zones)
         lit = [k for k, (_, _, zone) in enumerate(bands) if zone is not None]
         bands = bands[lit[0] : lit[-1] + 1]
@@ -141,42 +134,40 @@ def sky(setup: Setup, target: np.ndarray, points: np.ndarray, stock: bool) -> di
     }
 
 
-def _discs_of_zones(setup: Setup, axis: np.ndarray, target: np.ndarray, reach: float) -> dict[str, Any]:
-    """Return zones as Mitsuba's own plugins have them.
+def _can_of_zones(setup: Setup, axis: np.ndarray, target: np.ndarray) -> dict[str, Any]:
+    """Return zones as Mitsuba's own plugins have them: a far can, cylinders with a disc at each end."""
+    out: dict[str, Any] = {}
+    black = {"type": "diffuse", "reflectance": reflectance(0.0, stock=True)}
+    for k, (low, high, zone) in enumerate(layers(setup.sky.zones), start=1):
+        if zone is None:
+            continue
+        light = {"type": "area", "radiance": _colour(zone, setup, stock=True)}
+        # What reaches a pole is a disc there, and a cylinder up to it
+        floor, roof = min(high, -_END_DEG), max(low, _END_DEG)
+        if low == -90:
+            low = floor
+            out[f"zone_{k}_bottom"] = _end_of_can(-axis, -floor, target)
+        if high == 90:
+            high = roof
+            out[f"zone_{k}_top"] = _end_of_can(axis, roof, target)
+        if low < high:
+            ends = [target + _FAR * np.tan(np.radians(edge)) * axis for edge in (low, high)]
+            wall = {"type": "cylinder", "p0": ends[0].tolist(), "p1": ends[1].tolist()}
+            out[f"zone_{k}"] = {**wall, "radius": _FAR, "flip_normals": True}
+        for name in (f"zone_{k}", f"zone_{k}_bottom", f"zone_{k}_top"):
+            if name in out:
+                out[name] |= {"bsdf": black, "emitter": light}
+    return out
 
-    A sky for the zone at the horizon, and far discs, each before the next, for those nearer to the zenith;
-    those below likewise. Where zones meet on the horizon, the lower one is a floor under the stones.
-    """
+
+def _end_of_can(side: np.ndarray, elevation_deg: float, target: np.ndarray) -> dict[str, Any]:
+    """Return the disc that is seen from an elevation to the pole on a side."""
     import mitsuba as mi
 
-    bands = layers(setup.sky.zones)
-    lower = [band for band in bands if band[1] <= 0]
-    if lower and lower[-1][1] == 0 and len(lower) > 1:
-        told = "must be one below the horizon, from -90 to 0, for a scene of Mitsuba's own plugins"
-        value = [list(band[:2]) for band in lower]
-        raise InputError(told, source=setup.source or setup.name, key="sky.zones", value=value)
-    out: dict[str, Any] = {}
-    for k, (low, high, zone) in enumerate(bands, start=1):
-        light = None if zone is None else _colour(zone, setup, stock=True)
-        if low <= 0 < high:
-            if light is not None:
-                out["sky"] = {"type": "constant", "radiance": light}
-            continue
-        side, nearest = (axis, low) if low > 0 else (-axis, -high)
-        away = _FAR * (1 + 1e-3 * (90 - nearest))
-        radius = away / np.tan(np.radians(nearest)) if nearest > 0 else _ENDLESS
-        middle = target + (away if nearest > 0 else 1.01 * reach) * side
-        up = [0.0, 0.0, 1.0] if abs(side[2]) < 0.9 else [0.0, 1.0, 0.0]
-        place = mi.ScalarTransform4f().look_at(middle.tolist(), target.tolist(), up)
-        disc: dict[str, Any] = {
-            "type": "disk",
-            "to_world": place @ mi.ScalarTransform4f().scale([radius, radius, 1.0]),
-            "bsdf": {"type": "diffuse", "reflectance": reflectance(0.0, stock=True)},
-        }
-        if light is not None:
-            disc["emitter"] = {"type": "area", "radiance": light}
-        out[f"zone_{k}"] = disc
-    return out
+    middle = target + _FAR * np.tan(np.radians(elevation_deg)) * side
+    up = [0.0, 0.0, 1.0] if abs(side[2]) < 0.9 else [0.0, 1.0, 0.0]
+    place = mi.ScalarTransform4f().look_at(middle.tolist(), target.tolist(), up)
+    return {"type": "disk", "to_world": place @ mi.ScalarTransform4f().scale([_FAR, _FAR, 1.0])}
 
 
 def _colour(zone: Zone, setup: Setup, stock: bool) -> dict[str, Any]:

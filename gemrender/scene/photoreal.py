@@ -158,7 +158,7 @@ def photoreal_scene(
     if stock:
         scene["integrator"]["rr_depth"] = 32
     scene |= lights(setup, target, stock)
-    scene |= sky(setup, target, points, stock)
+    scene |= sky(setup, target, stock)
     stones = tuple(p.turned(turn_deg) if turn_deg else p for p in placed)
     built: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {}
     paper = {"type": "diffuse", "reflectance": reflectance(setup.ground.reflectance, stock)}

@@ -15,7 +15,6 @@ from render_help import MITSUBA, read_exr
 import gemrender
 from gemrender.colorimetry import adapt, white_xyz, xyz_to_linear_srgb
 from gemrender.cuts import load_stone
-from gemrender.errors import InputError
 from gemrender.optics.fresnel import reflectance
 from gemrender.render.photoreal import make_gems, render
 from gemrender.scene.photoreal import photoreal_scene
@@ -159,11 +158,12 @@ RED, GREEN, BLUE = (1, 0, 0), (0, 1, 0), (0, 0, 1)
     [
         ([(-90, 0, GREEN), (0, 60, RED), (60, 90, BLUE)], 55),
         ([(-90, -40, BLUE), (-20, 50, RED), (50, 80, GREEN)], 75),
+        ([(-90, -30, BLUE), (-30, 0, RED), (0, 90, GREEN)], 90),
     ],
-    ids=["horizon between zones", "horizon within one"],
+    ids=["horizon between zones", "horizon within one", "wide ends"],
 )
 def test_mitsubas_own_plugins_show_the_same_zones(zones, elevation, tmp_path):
-    """Discs, a floor and a sky in place of zones: parallaxes of 1e-4, and the same picture."""
+    """A far can in place of zones: parallaxes of 1e-4, and the same picture."""
     setup = under(*zones, camera=Camera(type="orthographic", elevation=elevation, azimuth=-60))
     expected = rgb_of(render(STONE, setup, **SMALL))
     scene = photoreal_scene(STONE, setup, width=32, height=32, samples=36, stock=True)
@@ -174,15 +174,6 @@ def test_mitsubas_own_plugins_show_the_same_zones(zones, elevation, tmp_path):
     channels, _ = read_exr(tmp_path / "x.exr")
     image = np.stack([channels[c] for c in "RGB"], axis=-1)
     np.testing.assert_allclose(image.mean(axis=(0, 1)), expected.mean(axis=(0, 1)), atol=0.01)
-    np.testing.assert_allclose(image, expected, atol=0.5)  # pixel by pixel: nothing is upside down
-
-
-def test_zones_that_mitsubas_own_plugins_cannot_show_are_refused():
-    zones = (Zone(elevation=(0, 90)), Zone(elevation=(-90, -30)))
-    setup = Setup(name="Backlit", sky=Sky(type="zones", zones=zones))
-    with pytest.raises(InputError) as caught:
-        photoreal_scene(STONE, setup, width=4, height=4, stock=True)
-    assert str(caught.value) == (
-        "Backlit: sky.zones = [[-90.0, -30.0], [-30.0, 0.0]]: must be one below the horizon, from -90 to 0, "
-        "for a scene of Mitsuba's own plugins"
-    )
+    # Pixel by pixel, but for noise, and other filters at edges: nothing is upside down
+    assert np.abs(image - expected).mean() < 0.1
+    assert np.abs(image[::-1] - expected).mean() > 0.15 or elevation == 90
