@@ -259,6 +259,7 @@ def trace_paths(
     variant: str = DEFAULT_VARIANT,
     bound: float = DEFAULT_BOUND,
     seed: int = 1,
+    samples: int = 1,
     progress: Callable[[float], None] | None = None,
     **short: Unpack[ShortForms],
 ) -> Paths:
@@ -276,6 +277,8 @@ def trace_paths(
         the other engines are pixels' rays.
     seed : int
         Seed of single rays, and of Mitsuba's random continuations.
+    samples : int
+        Mitsuba's rays a pixel: one through its centre, or several at random, each in a set of its own.
 
     Raises
     ------
@@ -301,7 +304,9 @@ def trace_paths(
         return by_reference(stone, view, model, follow=follow)
     from gemrender.render.paths import trace_paths as by_mitsuba
 
-    return by_mitsuba(stone, view, model, follow=follow, variant=variant, seed=seed, progress=progress)
+    return by_mitsuba(
+        stone, view, model, follow=follow, variant=variant, seed=seed, spp=samples, progress=progress
+    )
 
 
 def check_head(head: float) -> float:

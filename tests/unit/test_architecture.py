@@ -34,7 +34,7 @@ LAYERS: list[dict[str, set[str]]] = [
     {"scene": {"numpy", "scipy", "mitsuba"}},
     {"plugins": {"numpy", "mitsuba", "drjit"}},
     {"render": {"numpy", "numba", "mitsuba", "drjit", "colour", "OpenEXR", "PIL", "av", "mitsuba_oidn"}},
-    {"engines": set()},
+    {"engines": {"numpy"}},
     {"scoring": {"numpy"}},
     {"crosscheck": {"numpy"}, "stereo": {"numpy"}},
     {"sweep": {"numpy", "drjit"}},
