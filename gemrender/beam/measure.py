@@ -127,7 +127,7 @@ def measure_facets(
     reached = found.scatter + found.unsolved
     missed = _missed(reached, wanted, found.unsolved, budget if near.stopped else None)
     images, area = facets.images(), found.area
-    values = {of.name: of for of in found.measures(facets)}
+    values = {of.name: of for of in found.measures(facets, images)}
     if over_views:
         more = measure_hemisphere(
             convex, model, over_views, bound=wanted, seed=seed, progress=progress, budget=budget
@@ -213,10 +213,12 @@ class _Found:
         steering = [errors for errors, of in zip(self._errors, tally.measures, strict=True) if of.unit == "%"]
         self.scatter = float(max([scatter, *(np.nanmax(errors, initial=0.0) for errors in steering)]))
 
-    def measures(self, facets: VirtualFacets) -> tuple[MeasureValues, ...]:
-        """Return what each measure says."""
+    def measures(self, facets: VirtualFacets, images: np.ndarray) -> tuple[MeasureValues, ...]:
+        """Return what each measure says, of virtual facets with so many images (n,) each."""
+        if not self._tally.measures:
+            return ()
         counted = np.flatnonzero(facets.is_counted | (facets.paths.partial_reflections > 0))
-        paths = replace(facets.paths.rows(counted), images=facets.images()[counted])
+        paths = replace(facets.paths.rows(counted), images=images[counted])
         light = self._tally.light(paths)
         return tuple(
             MeasureValues(
