@@ -16,6 +16,7 @@ from gemrender.beam.solid import BeamStone, beam_stone
 from gemrender.errors import InputError
 from gemrender.measures.inoue import BANDS, INTENSITY, LOST, MET, REAR, TRAPPED
 from gemrender.measures.measure import HEAD_DEG, Measure
+from gemrender.measures.registry import measure_named
 from gemrender.measures.tally import REST, Tally
 from gemrender.observation import Measurement, MeasureValues, Model, View, bound_text
 from gemrender.paths import Paths
@@ -160,8 +161,9 @@ def trace_paths(
     Parameters and errors as for `gemrender.trace_paths`.
     """
     convex, wanted = stone if isinstance(stone, BeamStone) else beam_stone(stone), check_bound(bound)
-    tally = Tally(view, model)
-    facets = trace_facets(convex, view=view, model=model, least=_LEAST if follow == "all" else 0.0)
+    of_all = follow == "all"
+    tally = Tally(view, model, [measure_named("iso"), measure_named("aset")] if of_all else ())
+    facets = trace_facets(convex, view=view, model=model, least=_LEAST if of_all else 0.0)
     near = NearGirdle(convex, facets, seed, tally)
     _settle(tally, _sums(tally, facets), near, wanted, None, None)
     return Paths.joined([facets.paths.rows(facets.status != FacetStatus.GIRDLE), *near.paths()])
