@@ -53,7 +53,7 @@ def tilt_poses(axis: str | float, to_deg: float, step_deg: float, symmetry: Symm
     ----------
     axis : {"x", "y", "both", "surface"} or float
         What to turn about: an axis, given by its azimuth [deg] if it is neither x nor y, from -`to_deg` to
-        `to_deg`; or every level axis, for a surface over all tilts up to `to_deg`: upright, then ring by ring.
+        `to_deg`; or every level axis, for a surface over all tilts up to `to_deg`: ring by ring.
     to_deg, step_deg : float
         Largest tilt, above 0 and below 90, and the step [deg]: tilts are its multiples up to the largest one.
     symmetry : Symmetry
