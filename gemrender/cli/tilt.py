@@ -78,8 +78,8 @@ def tilt(
             "--axis",
             parser=_axis,
             metavar="AXIS",
-            help="What the stone is turned about, both ways: x, y, both, the azimuth of an axis in degrees, or "
-            "surface, for all axes.",
+            help="What the stone is turned about, both ways: x, y, both, the azimuth of an axis, or "
+            "surface, for all of them.",
             autocompletion=complete_words(lambda: _AXES),
             rich_help_panel=VIEW,
         ),

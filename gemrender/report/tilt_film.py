@@ -20,7 +20,7 @@ from gemrender.stone import Stone
 from gemrender.sweep import TiltStudy
 from gemrender.sweep.poses import Pose
 from gemrender.sweep.tilt import TiltedValues
-from gemrender.writing import write_whole
+from gemrender.writing import check_place, write_whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -51,7 +51,7 @@ def check_tilt_film(path: Path, poses: Sequence[Pose], measures: int) -> None:
     Raises
     ------
     InputError
-        Its ending is no film's, it has too many measures, or turns about more axes than one.
+        Its ending is no film's, it cannot be written, or there are too many measures or axes.
     BackendError
         The library that writes it is not installed.
     """
@@ -63,6 +63,7 @@ def check_tilt_film(path: Path, poses: Sequence[Pose], measures: int) -> None:
         raise InputError(
             "shows turns about one axis: x, y, or one by its azimuth", key="film", value=str(path)
         )
+    check_place(path)
     order = _to_and_fro(len(poses))
     check_film(path, _WIDTH, _HEIGHT, len(order), _fps(len(order)))
 
