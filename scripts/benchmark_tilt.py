@@ -63,8 +63,9 @@ def main() -> None:
         shared = min(run[1] for run in runs) / options.cores
         worst = max(found.bound(of.name) for found in runs[0][2].found for of in runs[0][2].measures)
         print(
-            f"{stone.name:16} {measures:16} {clock:6.2f} s, wanted {wanted:4.1f} s: ratio {wanted / clock:5.2f}; "
-            f"by the processors {shared:5.2f} s: {wanted / shared:5.2f}; worst bound {worst:.3f}",
+            f"{stone.name:16} {measures:16} {clock:6.2f} s, wanted {wanted:4.1f} s: "
+            f"ratio {wanted / clock:5.2f}; processors {shared:5.2f} s: {wanted / shared:5.2f}; "
+            f"worst bound {worst:.3f}",
             flush=True,
         )
 

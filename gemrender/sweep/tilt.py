@@ -59,11 +59,9 @@ class TiltedValues:
     notes: tuple[str, ...] = ()
 
     def value(self, measure: str, key: str) -> float:
-        """Return a value, or a detail that is a number; NaN where it is not defined."""
-        for of in self.measures:
-            if of.name == measure:
-                return float((of.values | of.details)[key])
-        raise KeyError(measure)
+        """Return a value, or a detail that is a number; NaN where it is not defined or not known."""
+        of = next(of for of in self.measures if of.name == measure)
+        return float((of.values | of.details).get(key, math.nan))
 
     def bound(self, measure: str) -> float:
         """Return the bound of a measure's values; NaN where it is not known."""
@@ -131,7 +129,7 @@ class TiltStudy:
         return {axis: tuple(along) for axis, along in curves.items()}
 
     def values(self, measure: str, key: str) -> np.ndarray:
-        """Return a value over all poses, (n,) float64; NaN where it is not defined."""
+        """Return a value over all poses, (n,) float64; NaN where it is not defined or not known."""
         return np.array([found.value(measure, key) for found in self.found])
 
     def ties(self) -> tuple[Tie, ...]:

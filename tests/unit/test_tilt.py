@@ -159,6 +159,15 @@ def test_another_engine_knows_no_bound():
     assert turned(study)[20.0] == alone.measures[0].values["average"]
 
 
+def test_what_an_engine_does_not_tell_is_not_defined():
+    """Only the exact engine knows virtual facets."""
+    options = {"engine": "reference", "resolution": 4}
+    study = study_tilt(EMERALD, measures="facets", to_deg=2.0, step_deg=2.0, options=options, processes=1)
+    assert np.isnan(study.values("facets", "number")).all()
+    assert tilt_table([study]).rows[0][3:] == ["–"] * 7
+    assert tilt_figure(study).axes[0].texts[0].get_text() == "not defined for this stone"
+
+
 # ---- Refusals ------------------------------------------------------------------------------------------
 
 
