@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-__all__ = ["Rules", "Solid"]
+__all__ = ["LEAST", "Rules", "Solid"]
+
+#: All light is followed by polygons down to this share of the view, area times weight; by rays from there.
+LEAST = 1e-5
 
 
 class Rules(NamedTuple):
