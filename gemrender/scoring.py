@@ -30,6 +30,7 @@ __all__ = [
     "Band",
     "FacetSizes",
     "Score",
+    "check_measures",
     "score",
     "score_measurement",
     "score_observation",
@@ -260,11 +261,28 @@ def score(
         chosen = chosen_measures(measures)
     check_head(head)
     if engine_for(engine, stone) != "exact":
+        check_measures(chosen or (), engine_for(engine, stone))
         found = score_observation(observe(stone, engine=engine, **options))
         return found if chosen is None else _with_measures(found, stone, engine, chosen, head, options)
     measured, view, model = measure(stone, measures=chosen or (), head=head, **options)
-    found = score_measurement(measured, stone, view, model)
-    return found if chosen is None else replace(found, measures=measured.measures)
+    return score_measurement(measured, stone, view, model)
+
+
+def check_measures(measures: Iterable[Measure], engine: str) -> None:
+    """Check that an engine tells measures.
+
+    Raises
+    ------
+    InputError
+        One is a sum over views, and the engine is not the exact one.
+    """
+    for of in measures:
+        if of.views != "one" and engine != "exact":
+            raise InputError(
+                f"{of.name} is a sum over views, which the exact engine alone tells",
+                key="measures",
+                value=of.name,
+            )
 
 
 def _with_measures(
@@ -280,13 +298,6 @@ def _with_measures(
     from gemrender.observation import MeasureValues
     from gemrender.request import resolve
 
-    for of in measures:
-        if of.views != "one":
-            raise InputError(
-                f"{of.name} is a sum over views, which the exact engine alone tells",
-                key="measures",
-                value=of.name,
-            )
     short: Any = {key: options[key] for key in ShortForms.__annotations__ if key in options}
     view, model = resolve(stone, options.get("view"), options.get("model"), short)
     of_paths = {key: options[key] for key in ("variant", "seed", "progress") if key in options}
@@ -349,6 +360,7 @@ def score_measurement(
         facets=_facet_sizes(measured),
         assumed=stone.assumed,
         notes=measured.notes,
+        measures=measured.measures or None,
         **_request(view, model),
     )
 

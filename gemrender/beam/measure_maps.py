@@ -186,8 +186,8 @@ def _draw(
         low = high = corners[starts[f], 1]
         for k in range(starts[f] + 1, ends[f]):
             low, high = min(low, corners[k, 1]), max(high, corners[k, 1])
-        top = max(int(math.ceil((y0 - high) / step)), first_row)
-        bottom = min(int(math.floor((y0 - low) / step)), last_row)
+        top = max(math.ceil((y0 - high) / step), first_row)
+        bottom = min(math.floor((y0 - low) / step), last_row)
         for row in range(top, bottom + 1):
             y = y0 - row * step
             left, right = half_width, -half_width
@@ -198,8 +198,8 @@ def _draw(
                     x = corners[before, 0] + share * (corners[k, 0] - corners[before, 0])
                     left, right = min(left, x), max(right, x)
                 before = k
-            first = max(int(math.ceil((left - x0) / step)), 0)
-            last = min(int(math.ceil((right - x0) / step)), resolution)
+            first = max(math.ceil((left - x0) / step), 0)
+            last = min(math.ceil((right - x0) / step), resolution)
             for column in range(first, last):
                 pixel = (row - first_row) * resolution + column
                 told_of_pixel[pixel] += told[f]

@@ -121,11 +121,12 @@ class MapBuilder:
         self, measures: Sequence[Measure], view: View, model: Model, head_deg: float = HEAD_DEG
     ) -> None:
         self.measures, self.view, self.model, self.head_deg = tuple(measures), view, model, head_deg
-        ends = np.cumsum([0, *(len(channel_names(measure)) for measure in measures)])
-        self._columns = [slice(first, end) for first, end in zip(ends[:-1], ends[1:], strict=True)]
-        self.n_channels = int(ends[-1])
+        numbers = [len(channel_names(measure)) for measure in measures]
+        ends = np.cumsum(numbers, dtype=np.int64)
+        self._columns = [slice(end - n, end) for end, n in zip(ends, numbers, strict=True)]
+        self.n_channels = sum(numbers)
         self.follows_all = any(measure.follow == "all" for measure in measures)
-        self._maps = [np.zeros((*view.shape, end - first), np.float32) for first, end in zip(ends, ends[1:])]
+        self._maps = [np.zeros((*view.shape, n), dtype=np.float32) for n in numbers]
         self._coverage = np.zeros(view.shape, dtype=np.float32)
         self._sums, self._covered = np.zeros(self.n_channels), 0
         self._start = time.perf_counter()
@@ -144,10 +145,7 @@ class MapBuilder:
         return out
 
     def write(self, first_row: int, block: np.ndarray, covered: np.ndarray) -> None:
-        """Write whole rows from one on: what light adds to their pixels (n, n_channels), and which have any.
-
-        (n,) bool.
-        """
+        """Write whole rows: what is added to each pixel (n, n_channels), and which met the stone (n,)."""
         rows = slice(first_row, first_row + len(block) // self.view.resolution)
         shape = (-1, self.view.resolution)
         for measure, of, columns in zip(self.measures, self._maps, self._columns, strict=True):
@@ -156,14 +154,19 @@ class MapBuilder:
         self._sums += block.sum(axis=0)
         self._covered += int(np.count_nonzero(covered))
 
-    def write_paths(self, first_row: int, rows: int, paths: Paths, pixel: np.ndarray) -> None:
-        """Write whole rows from one on, from paths through pixels (n,), counted from the first of them."""
-        n = rows * self.view.resolution
-        area = (2.0 * self.view.half_width / self.view.resolution) ** 2
+    def write_paths(self, paths: Paths) -> None:
+        """Write whole rows from paths through pixels: all those of these rows, one after the other."""
+        pixel, resolution = paths.pixel, self.view.resolution
+        assert pixel is not None
+        if not len(pixel):
+            return
+        first, last = int(pixel.min()) // resolution, int(pixel.max()) // resolution
+        of, n = pixel - first * resolution, (last + 1 - first) * resolution
+        area = (2.0 * self.view.half_width / resolution) ** 2
         light = self.light(paths)
         added = self.added(light) * (paths.area / area)[:, None]
-        block = np.stack([np.bincount(pixel, column, n) for column in added.T], axis=1)
-        self.write(first_row, block, np.bincount(pixel[light.is_principal], minlength=n) > 0)
+        block = np.stack([np.bincount(of, column, n) for column in added.T], axis=1)
+        self.write(first, block, np.bincount(of[light.is_principal], minlength=n) > 0)
 
     def maps(self, stone: Stone, engine: str, variant: str = "") -> MeasureMaps:
         """Return the maps, once all rows are written.
@@ -178,7 +181,7 @@ class MapBuilder:
             raise InputError("must be larger, no ray met the stone", key="resolution", value=resolution)
         values = {}
         for measure, columns in zip(self.measures, self._columns, strict=True):
-            found = measure.values(self._sums[columns], np.float64(self._covered))
+            found = measure.values(self._sums[columns], np.array(self._covered, dtype=np.float64))
             values[measure.name] = dict(zip(measure.keys, map(float, found), strict=True))
         return MeasureMaps(
             maps=dict(zip((measure.name for measure in self.measures), self._maps, strict=True)),
