@@ -92,7 +92,7 @@ class _Scale:
         known = ~np.isnan(values) & ((of[..., names.index(self.where)] > 0.0) if self.where else True)
         shares = np.clip(np.nan_to_num(values) / self.top_of(maps, measure), 0.0, 1.0)
         colours = 255.0 * colormaps[self.colours](shares)[..., :3]
-        return np.where(known[..., None], colours, colour_numbers(_NO_ZONE)[0])
+        return np.asarray(np.where(known[..., None], colours, colour_numbers(_NO_ZONE)[0]))
 
 
 _BANDS = {f"band_{100 * low / 100:.0f}": c for low, c in zip(BAND_EDGES, BAND_COLOURS, strict=True)}
@@ -206,6 +206,7 @@ def _draw_outline(axes: Axes, maps: MeasureMaps) -> None:
     step = -(-maps.view.resolution // MAP_PIXELS[1])
     x, y = maps.view.cell_centres()
     if min(maps.view.shape) > step:  # else there is nothing between
+        axes.set_zorder(1)  # above the map
         axes.contour(x[::step], y[::step], maps.coverage[::step, ::step], [0.5], colors=_GREY, linewidths=0.8)
 
 
@@ -264,10 +265,9 @@ def _rules(maps: MeasureMaps, measure: Measure) -> str:
     view, index = maps.view, maps.model.index
     engine = f"{maps.engine} ({maps.variant})" if maps.variant else maps.engine
     tilt = f"eye tilted by {view.tilt_deg:g}° towards azimuth {view.tilt_azimuth_deg:g}°"
+    what = f"{measure.name} {measure.version}: {measure.definition}. Source: {measure.source}."
     lines = [
-        *textwrap.wrap(
-            f"{measure.name} {measure.version}: {measure.definition}. Source: {measure.source}.", 62
-        ),
+        *textwrap.wrap(what, 62),
         (f"viewer's head {maps.head_deg:g}°, " if "head" in measure.definition else "") + f"index {index:g}",
         *([tilt] if view.tilt_deg else []),
         f"{view.resolution} × {view.resolution} pixels, {engine}; figures are of the pixels",
