@@ -11,7 +11,6 @@ import numpy as np
 from gemrender.beam.budget import Budget
 from gemrender.beam.facets import FacetStatus, VirtualFacets, trace_facets
 from gemrender.beam.near_girdle import SETS, STUDENT_T, NearGirdle
-from gemrender.beam.rules import LEAST
 from gemrender.beam.solid import BeamStone, beam_stone
 from gemrender.errors import InputError
 from gemrender.measures.inoue import BANDS, INTENSITY, LOST, MET, REAR, TRAPPED
@@ -26,6 +25,8 @@ __all__ = ["BOUND_RANGE", "check_bound", "facet_sums", "measure", "measure_facet
 #: Allowed range of the error bound [%].
 BOUND_RANGE = (1e-4, 10.0)
 
+#: All light is followed by polygons down to this share of the view, area times weight; by rays from there.
+_LEAST = 1e-5
 #: Rays of a set at first, and at the most.
 _FIRST_RAYS, _MOST_RAYS = 64, 1 << 23
 
@@ -110,7 +111,7 @@ def measure_facets(
     tally = Tally(view or View(resolution=1), model or Model.of(convex.stone), measures, head_deg)
     facets = trace_facets(
         convex, view=tally.view, model=tally.model, whole=not tally.is_axial,
-        least=LEAST if tally.follows_all else 0.0, budget=budget,
+        least=_LEAST if tally.follows_all else 0.0, budget=budget,
     )  # fmt: skip
     near = NearGirdle(convex, facets, seed, tally)
     resolved = _sums(tally, facets)
@@ -146,7 +147,7 @@ def trace_paths(
     """
     convex, wanted = stone if isinstance(stone, BeamStone) else beam_stone(stone), check_bound(bound)
     tally = Tally(view, model)
-    facets = trace_facets(convex, view=view, model=model, least=LEAST if follow == "all" else 0.0)
+    facets = trace_facets(convex, view=view, model=model, least=_LEAST if follow == "all" else 0.0)
     near = NearGirdle(convex, facets, seed, tally)
     _settle(tally, _sums(tally, facets), near, wanted, None, None)
     return Paths.joined([facets.paths.rows(facets.status != FacetStatus.GIRDLE), *near.paths()])

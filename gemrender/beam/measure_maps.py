@@ -16,7 +16,6 @@ from gemrender.beam.cells import cell_rays, cell_starts
 from gemrender.beam.compiled import jit
 from gemrender.beam.facets import FacetStatus, VirtualFacets, trace_facets
 from gemrender.beam.rays import Rays, empty_rays, enter_rays, follow_rays, ray_paths
-from gemrender.beam.rules import LEAST
 from gemrender.beam.solid import BeamStone, beam_stone
 from gemrender.measures.maps import MapBuilder, MeasureMaps
 from gemrender.measures.measure import HEAD_DEG, Measure
@@ -30,6 +29,9 @@ _BLOCK = 1 << 16
 #: Pixels stand for places a little off their centres, in a direction that no edge of a symmetric stone has:
 #: through the centres themselves edges go, and rounding would tell on which side they lie [girdle radius].
 _ASIDE = np.array([0.7548776662e-9, 0.5698402910e-9])
+#: All light is followed by polygons down to this share of a pixel (area times weight), but at the most to the
+#: second share of the view; by rays from there. What rays are left with is what single pixels scatter by.
+_LEAST_OF_PIXEL, _LEAST = 0.2, 1e-5
 #: What polygons may leave untold of a pixel's light: rounding.
 _ROUNDING = 1e-9
 
@@ -78,7 +80,7 @@ def measure_maps(
     """
     convex = stone if isinstance(stone, BeamStone) else beam_stone(stone)
     builder = MapBuilder(measures, view, model or Model.of(convex.stone), head_deg)
-    least = LEAST if builder.follows_all else 0.0
+    least = min(_LEAST_OF_PIXEL / view.resolution**2, _LEAST) if builder.follows_all else 0.0
     facets = trace_facets(convex, view=view, model=builder.model, least=least, budget=budget)
     blocks = _Blocks(convex, facets, builder, seed)
     rows = max(1, _BLOCK // view.resolution)

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-__all__ = ["LEAST", "Rules", "Solid"]
-
-#: All light is followed by polygons down to this share of the view, area times weight; by rays from there.
-LEAST = 1e-5
+__all__ = ["Rules", "Solid"]
 
 
 class Rules(NamedTuple):

@@ -180,7 +180,7 @@ def _mapped(names: list[str] | None, head: float, shown: list[str]) -> dict[str,
     if "map" not in shown:
         raise InputError("is for the map: --what map", key="--measure", value=names[0])
     with named_as("--measure"):
-        return {"measures": mapped_measures("all" if names == ["all"] else names), "head": head}
+        return {"measures": mapped_measures("all" if "all" in names else names), "head": head}
 
 
 def _write_maps(
