@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from gemrender.observation import Model, Observation, RayStatus, View
     from gemrender.paths import Paths
     from gemrender.render.backend import mitsuba
+    from gemrender.stereo import StereoScore, score_stereo
     from gemrender.stone import Stone
 
 __version__ = "0.1.0"
@@ -58,6 +59,7 @@ __all__ = [
     "RayStatus",
     "RoundBrilliant",
     "Score",
+    "StereoScore",
     "Stone",
     "View",
     "VirtualFacets",
@@ -69,6 +71,7 @@ __all__ = [
     "observe",
     "save_stone",
     "score",
+    "score_stereo",
     "sensitivity",
     "stone_from_vertices",
     "trace_facets",
@@ -94,6 +97,8 @@ _ON_DEMAND = {
     "save_stone": "gemrender.cuts",
     "stone_from_vertices": "gemrender.cuts",
     "vary": "gemrender.cuts",
+    "StereoScore": "gemrender.stereo",
+    "score_stereo": "gemrender.stereo",
     "VirtualFacets": "gemrender.beam",
     "sensitivity": "gemrender.beam.sensitivity",
     "trace_facets": "gemrender.beam",

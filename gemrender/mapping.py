@@ -18,7 +18,7 @@ from gemrender.engines import (
     require_engine,
 )
 from gemrender.request import ShortForms, resolve
-from gemrender.scoring import Score, check_measures, score_observation
+from gemrender.scoring import Score, add_measures, chosen_or_none, score_observation
 
 if TYPE_CHECKING:
     from gemrender.measures import Measure
@@ -140,27 +140,17 @@ def score_with_maps(
     InputError, BackendError
         As for `score`.
     """
-    if measures is None:
-        observation = observe(stone, **options)
-        return score_observation(observation), observation, None
-    from gemrender.measures import chosen_measures
     from gemrender.measures.maps import has_map
-    from gemrender.observation import MeasureValues
 
-    chosen = chosen_measures(measures)
-    check_measures(chosen, engine_for(options.get("engine", DEFAULT_ENGINE), stone))
-    observation = observe(stone, measures=chosen, head=head, **options)
+    chosen = chosen_or_none(measures)
+    engine = options.get("engine", DEFAULT_ENGINE)
+    observation = observe(stone, measures=chosen or (), head=head, **options)
     found = score_observation(observation)
+    if chosen is None:
+        return found, observation, None
+    if engine_for(engine, stone) != "exact":
+        found = add_measures(found, stone, engine, chosen, head, options)
     mapped = [of for of in chosen if has_map(of)]
     of_maps = {key: value for key, value in options.items() if key != "bound"}
     maps = measure_maps(stone, measures=mapped, head=head, **of_maps) if mapped else None
-    if found.measures is None:  # of pixels: theirs
-        values = {} if maps is None else maps.values
-        found = replace(
-            found,
-            measures=tuple(
-                MeasureValues(name=of.name, version=of.version, values=values.get(of.name, {}), bound=None)
-                for of in chosen
-            ),
-        )
     return found, observation, maps

@@ -10,6 +10,7 @@ import numpy as np
 
 from gemrender.beam.budget import Budget
 from gemrender.beam.facets import FacetStatus, VirtualFacets, trace_facets
+from gemrender.beam.hemisphere import measure_hemisphere
 from gemrender.beam.near_girdle import SETS, STUDENT_T, NearGirdle
 from gemrender.beam.solid import BeamStone, beam_stone
 from gemrender.errors import InputError
@@ -52,6 +53,7 @@ def measure(
     model: Model | None = None,
     measures: Sequence[Measure] = (),
     head_deg: float = HEAD_DEG,
+    zenith: np.ndarray | None = None,
     bound: float = 0.05,
     seed: int = 1,
     progress: Callable[[float], None] | None = None,
@@ -71,6 +73,8 @@ def measure(
         What to measure besides the paper's score.
     head_deg : float
         Half the angle at which the viewer's head is seen from the stone [deg].
+    zenith : (3,) float64, optional
+        The viewer's zenith (`Light`); by default the direction to the eye.
     bound : float
         Wanted error bound of every score [%].
     seed : int
@@ -87,8 +91,8 @@ def measure(
         The stone is not convex, or the bound out of range.
     """
     return measure_facets(
-        stone, view=view, model=model, measures=measures, head_deg=head_deg, bound=bound, seed=seed,
-        progress=progress, budget=budget,
+        stone, view=view, model=model, measures=measures, head_deg=head_deg, zenith=zenith, bound=bound,
+        seed=seed, progress=progress, budget=budget,
     )[0]  # fmt: skip
 
 
@@ -103,12 +107,16 @@ def measure_facets(
     budget: Budget | None,
     measures: Sequence[Measure] = (),
     head_deg: float = HEAD_DEG,
+    zenith: np.ndarray | None = None,
 ) -> tuple[Measurement, VirtualFacets]:
     """Score a stone as `measure` does; return its virtual facets too, of a symmetric one those of a part."""
     start = time.perf_counter()
     wanted = check_bound(bound)
     convex = stone if isinstance(stone, BeamStone) else beam_stone(stone)
-    tally = Tally(view or View(resolution=1), model or Model.of(convex.stone), measures, head_deg)
+    model = model or Model.of(convex.stone)
+    over_views = [of for of in measures if of.views == "hemisphere"]
+    of_one = [of for of in measures if of not in over_views]
+    tally = Tally(view or View(resolution=1), model, of_one, head_deg, zenith)
     facets = trace_facets(
         convex, view=tally.view, model=tally.model, whole=not tally.is_axial,
         least=_LEAST if tally.follows_all else 0.0, budget=budget,
@@ -119,6 +127,12 @@ def measure_facets(
     reached = found.scatter + found.unsolved
     missed = _missed(reached, wanted, found.unsolved, budget if near.stopped else None)
     images, area = facets.images(), found.area
+    values = {of.name: of for of in found.measures(facets)}
+    if over_views:
+        more = measure_hemisphere(
+            convex, model, over_views, bound=wanted, seed=seed, progress=progress, budget=budget
+        )
+        values |= {of.name: of for of in more}
     counted, scores = facets.is_counted, found.scores
     measured = Measurement(
         average=float(scores[INTENSITY]),
@@ -133,7 +147,7 @@ def measure_facets(
         girdle=100.0 * (1.0 - resolved[MET] / area),
         seconds=time.perf_counter() - start,
         notes=(*_left_over(facets), *missed),
-        measures=found.measures(facets),
+        measures=tuple(values[of.name] for of in measures),
     )
     return measured, facets
 

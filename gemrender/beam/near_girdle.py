@@ -28,7 +28,7 @@ from gemrender.measures.tally import Tally
 from gemrender.observation import RayStatus
 from gemrender.paths import Paths
 
-__all__ = ["CELLS", "RIM", "SETS", "STUDENT_T", "NearGirdle"]
+__all__ = ["CELLS", "RIM", "SETS", "STUDENT_T", "NearGirdle", "by_sets"]
 
 #: Independent sets of rays; Student's t for their mean with 15 degrees of freedom, two-sided, 99.9 %. More
 #: sets have a smaller t, and fewer rays each: for the same rays 16 give the smallest bound.
@@ -74,7 +74,7 @@ class NearGirdle:
     view_area : float
         Area of the traced part of the view [girdle radius^2].
     areas : tuple of float
-        Area of each region; of later light, times its weight [girdle radius^2].
+        Area of each region; of later light (`Cells.area`), times its share of the light [girdle radius^2].
     """
 
     def __init__(
@@ -153,9 +153,7 @@ class NearGirdle:
         self.rays += sets * n
         if sets * n < _THREAD_RAYS:
             return some_sets(slice(None))
-        bounds = np.linspace(0, sets, min(2 * (os.cpu_count() or 1), sets) + 1).astype(int)
-        with ThreadPoolExecutor(os.cpu_count()) as pool:
-            return np.concatenate(list(pool.map(some_sets, map(slice, bounds[:-1], bounds[1:]))))
+        return by_sets(some_sets, sets)
 
     def _states(self, sets: int, n: int) -> np.ndarray:
         """Return states of random numbers, (sets, n) uint64; (sets, 0) for principal light."""
@@ -195,6 +193,13 @@ class NearGirdle:
         met = self.sums[:, RIM, MET]
         factor[:, RIM, 0] = self.areas[RIM] / np.where(met > 0, met, 1.0)
         return np.asarray((self.sums * factor).sum(axis=1))
+
+
+def by_sets(work: Callable[[slice], np.ndarray], sets: int) -> np.ndarray:
+    """Let threads do what is to be done for each set, some sets at a time; join what they return."""
+    bounds = np.linspace(0, sets, min(2 * (os.cpu_count() or 1), sets) + 1).astype(int)
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return np.concatenate(list(pool.map(work, map(slice, bounds[:-1], bounds[1:]))))
 
 
 class _Region(Protocol):

@@ -19,7 +19,7 @@ from gemrender.beam.measure_maps import _Blocks
 from gemrender.beam.solid import beam_stone
 from gemrender.errors import InputError
 from gemrender.mapping import score_with_maps
-from gemrender.measures import HEAD_DEG, Measure, chosen_measures
+from gemrender.measures import HEAD_DEG, Light, Measure, chosen_measures, evaluate
 from gemrender.measures.maps import MapBuilder
 from gemrender.observation import Model, View
 from gemrender.report.figures import colour_numbers
@@ -107,13 +107,20 @@ def test_the_mean_over_the_pixels_is_the_exact_value(stone):
 
 
 @pytest.mark.parametrize("engine", ["reference", "mitsuba"])
-def test_values_of_maps_are_those_of_the_score(engine, variant_llvm_ad_mono):
-    options = {"measures": "aset,gemray-iso,dispersion", "engine": engine, "resolution": 24}
+def test_values_are_those_of_the_pixels_paths(engine, variant_llvm_ad_mono):
+    maps = maps_of(STONE, "aset,gemray-iso,dispersion", engine=engine, resolution=24)
+    paths = gemrender.trace_paths(STONE, follow="all", view=maps.view, engine=engine)
+    values = evaluate([Light(paths=paths, view=maps.view, model=maps.model)], maps.measures)
+    for name, expected in values.items():
+        assert maps.values[name] == pytest.approx(expected, rel=1e-9, nan_ok=True)
+
+
+def test_a_score_by_pixels_is_the_same_with_maps():
+    options = {"measures": "iso,facets", "engine": "reference", "resolution": 16}
     scored = gemrender.score(STONE, **options)
     with_maps, _, maps = score_with_maps(STONE, **options)
-    for one, other in zip(scored.measures, with_maps.measures, strict=True):
-        assert other.values == pytest.approx(one.values, rel=1e-9, nan_ok=True)
-        assert maps.values[one.name] is other.values
+    assert [of.to_dict() for of in with_maps.measures] == [of.to_dict() for of in scored.measures]
+    assert (with_maps.average, list(maps.maps)) == (scored.average, ["iso"])
 
 
 def test_the_exact_score_is_the_same_with_maps():
