@@ -43,8 +43,8 @@ MATERIALS = ("diamond", "quartz", "spinel", "sapphire", "cubic zirconia", "moiss
 ALLOWED = 0.005
 #: Shares that make a whole make 100 within this [%].
 WHOLE = 1e-6
-#: Where nothing is random, two sums differ by rounding [%], [deg].
-ROUNDING = 1e-9
+#: Where nothing is random, two sums differ by rounding [%]; small angles lose half of their digits [deg].
+ROUNDING = 1e-7
 #: The shares that make a whole, of measures by name, as (values, what they make): None for 100.
 WHOLES: dict[str, list[tuple[tuple[str, ...], str | None]]] = {
     "inoue": [

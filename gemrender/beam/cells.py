@@ -45,8 +45,8 @@ class Cells:
     area : float
         Area of all of them; of light that has been reflected in part, each times the share of the light at
         the eye that is in it [girdle radius^2].
-    largest, deviation : float
-        As any region has them (`near_girdle`).
+    largest : float
+        As any region has it (`near_girdle`).
     """
 
     def __init__(self, facets: VirtualFacets, *, of_principal: bool) -> None:
@@ -67,7 +67,7 @@ class Cells:
         areas = 0.5 * np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
         self._upto = np.cumsum(areas * self._weights[self._cell])
         self.area = float(self._upto[-1]) if len(self._upto) else 0.0
-        self.largest = self.deviation = self.area  # all rays are alike
+        self.largest = self.area  # all rays are alike
         self._maps = facets.exit_map[cells]
         self._starts = cell_starts(facets, cells)
 

@@ -106,16 +106,10 @@ class NearGirdle:
     def numbers(self, rays: int) -> tuple[int, ...]:
         """Share out a set's rays between the regions, by their areas.
 
-        Of the rim, whose rays stand for very different areas, by their root mean square as far as it is
-        known (Neyman 1934). Where all together are but a small part of the view, less than all of them are
-        enough.
+        Where all together are but a small part of the view, less than all of them are enough.
         """
-        weights = [max(area, of.deviation) for area, of in zip(self.areas, self._regions, strict=True)]
-        whole = sum(weights) + _SMALL * self.view_area
-        return tuple(
-            max(_FEWEST, round(rays * weight / whole)) if area > 0 else 0
-            for weight, area in zip(weights, self.areas, strict=True)
-        )
+        whole = sum(self.areas) + _SMALL * self.view_area
+        return tuple(max(_FEWEST, round(rays * area / whole)) if area > 0 else 0 for area in self.areas)
 
     @property
     def unseen(self) -> tuple[float, float]:
@@ -233,16 +227,13 @@ class _Region(Protocol):
 
     Attributes
     ----------
-    largest, deviation : float
-        Were there but one point in the unit square: the largest area that it has stood for, and the root mean
-        square of all; in shares of the light at the eye [girdle radius^2].
+    largest : float
+        Were there but one point in the unit square: the largest area that it has stood for; of later light,
+        times its share of the light at the eye [girdle radius^2].
     """
 
     @property
     def largest(self) -> float: ...
-
-    @property
-    def deviation(self) -> float: ...
 
     def rays(self, unit: np.ndarray, random: np.ndarray) -> tuple[Rays, np.ndarray, np.ndarray]:
         """Spread rays over it (`Cells.rays`)."""
@@ -255,22 +246,21 @@ class _Rim:
     def __init__(self, convex: BeamStone, facets: VirtualFacets) -> None:
         self._convex, self._facets = convex, facets
         self._reach = facets.stone.reach if facets.view.tilt_deg else 1.0
-        # Lines that lie along no edge of a symmetric stone; in a wedge they cross the rim steeply.
-        self._azimuth, self._low, self._high = 0.1234, -self._reach, self._reach
+        # Lines that lie along no edge of a symmetric stone, and cross the girdle where it is seen from the
+        # side: along it few of them would meet much. In a wedge they cross the rim steeply.
+        towards = facets.view.basis()[:2, 2]
+        self._azimuth = float(np.arctan2(towards[1], towards[0])) + 0.1234
+        self._low, self._high = -self._reach, self._reach
         if len(facets.wedge) > 1:
             first, last = facets.stone.symmetry.mirrors[:2]
             self._azimuth = 0.5 * (first + last) + 0.05
             self._low, self._high = np.sin(first - self._azimuth), np.sin(last - self._azimuth)
-        self._told: list[tuple[int, float, float]] = []  # lines, the largest area, and the sum of squares
+        self._told: list[float] = []
 
     @property
     def largest(self) -> float:
-        return max((largest for _, largest, _ in self._told), default=0.0)
-
-    @property
-    def deviation(self) -> float:
-        lines, squares = (sum(column) for column in list(zip(*self._told, strict=True))[::2] or [[], []])
-        return float(np.sqrt(squares / max(lines, 1)))
+        """The largest area that a line has stood for."""
+        return max(self._told, default=0.0)
 
     def rays(self, unit: np.ndarray, random: np.ndarray) -> tuple[Rays, np.ndarray, np.ndarray]:
         """Spread rays over it: one into each gap of a line for each point of the unit square."""
@@ -279,8 +269,7 @@ class _Rim:
             facets.covered, facets.covered_ends, facets.wedge, self._reach, self._azimuth, across, unit[:, 1]
         )
         areas = lengths * (self._high - self._low)
-        of_lines = np.bincount(lines, areas, len(unit))
-        self._told.append((len(unit), float(of_lines.max()), float(of_lines @ of_lines)))
+        self._told.append(float(np.bincount(lines, areas, 1).max()))
         if len(random):  # the gaps of a line are alike but for their number
             nth = np.arange(len(lines)) - np.searchsorted(lines, lines)
             random = (random[lines] + nth.astype(np.uint64) * _ODD) | np.uint64(1)
