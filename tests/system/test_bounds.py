@@ -25,7 +25,7 @@ WHOLE = 1e-6
 
 
 def test_bounds_hold_of_stones_of_all_kinds():
-    """At a loose bound, where rays are few: the scatter of sets alone would not tell what they have missed."""
+    """At a loose bound rays are few: the scatter of sets alone does not tell what they have missed."""
     options = "--stones 5 --seeds 4 --turns 1 --bound 1 --truth 0.05 --longest 2"
     script = [sys.executable, str(ROOT / "scripts" / "check_bounds.py"), *options.split()]
     done = subprocess.run(script, capture_output=True, text=True)
