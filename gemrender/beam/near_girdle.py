@@ -118,8 +118,8 @@ class NearGirdle:
         What so few rays meet that all sets may agree by chance, their scatter does not tell.
         """
         each = [
-            _UNSEEN * of.largest / (SETS * done) if done else 0.0
-            for of, done in zip(self._regions, self._done, strict=True)
+            min(_UNSEEN * of.largest / (SETS * done), area) if done else 0.0
+            for of, done, area in zip(self._regions, self._done, self.areas, strict=True)
         ]
         return max(each[:LATER]), max(each)
 
@@ -203,16 +203,16 @@ class NearGirdle:
     def found(self) -> np.ndarray:
         """Return what each set has found in all regions together, (SETS, n_sums) [girdle radius^2].
 
-        The rim's area is known, and what it is met by is a control variate: where a set has met more of it
-        than there is, it has found too much of everything. (A ratio for each set by itself would be biased:
-        its rays are few.) All sets together make just the area.
+        All sets together are made to cover just the rim's area, which is known. (Each set by itself would
+        be biased by that, as its rays are few.) What a set differs by is that of a ratio (Cochran, Sampling
+        Techniques, 3rd ed., section 6.4).
         """
-        out = self.sums.sum(axis=1)
         rim = self.sums[:, RIM]
         mean = rim.mean(axis=0)
-        if mean[MET] > 0:
-            out += (self.areas[RIM] - rim[:, [MET]]) * (mean / mean[MET])
-        return np.asarray(out)
+        scale = self.areas[RIM] / mean[MET] if mean[MET] > 0 else 1.0
+        differs = rim - rim[:, [MET]] * (mean / mean[MET] if mean[MET] > 0 else 0.0)
+        others = np.delete(self.sums, RIM, axis=1).sum(axis=1)
+        return np.asarray(others + scale * (mean + differs))
 
 
 def by_sets(work: Callable[[slice], np.ndarray], sets: int) -> np.ndarray:

@@ -53,11 +53,13 @@ def tilted_rim():
 
 
 def test_all_sets_together_cover_just_the_rim(tilted_rim):
-    """Each set has met more or less of it, and what it found is corrected by that, not divided."""
+    """Each set meets more or less of it; alike in all sets, each as if it had met just its area."""
+    found = tilted_rim.found()
+    others = np.delete(tilted_rim.sums, RIM, axis=1).sum(axis=1)
     rim = tilted_rim.sums[:, RIM]
-    corrected = tilted_rim.found() - tilted_rim.sums.sum(axis=1)
-    expected = (tilted_rim.areas[RIM] - rim[:, MET])[:, None] * rim.mean(axis=0) / rim[:, MET].mean()
-    np.testing.assert_allclose(corrected, expected, atol=1e-15)
+    pooled = tilted_rim.areas[RIM] * rim.sum(axis=0) / rim[:, MET].sum()
+    np.testing.assert_allclose((found - others).mean(axis=0), pooled, atol=1e-15)
+    np.testing.assert_allclose((found - others)[:, MET], tilted_rim.areas[RIM], atol=1e-15)
     assert np.ptp(rim[:, MET]) > 0.1 * tilted_rim.areas[RIM]
 
 
