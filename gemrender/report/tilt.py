@@ -45,6 +45,8 @@ _ASET = {"green": "#2f9e44", "red": "#d6322d", "blue": "#2f6fd6", "leak": "#8a8a
 _INK, _GREY = "#222222", "#666666"
 #: From so many panels about one axis on they stand in two columns.
 _TALL = 4
+#: The least that is tied where people are told: what is seen in two decimals [%].
+_LEAST_TIED = 0.005
 #: Poses that a note names; of more it says how many there are.
 _MOST_NAMED = 8
 
@@ -177,10 +179,11 @@ def rule_text(study: TiltStudy) -> str:
 
 
 def _ties_in_words(study: TiltStudy) -> list[str]:
-    """Name the poses where light is tied."""
+    """Name the poses where light is tied, and how much."""
     ties: dict[tuple[str, str], list[Tie]] = {}
     for tie in study.ties():
-        ties.setdefault((tie.measure, tie.key), []).append(tie)
+        if tie.amount >= _LEAST_TIED:
+            ties.setdefault((tie.measure, tie.key), []).append(tie)
     words = []
     for (measure, key), of in ties.items():
         shown = [
@@ -302,7 +305,7 @@ def draw_curves(axes: Axes, of: Measure, along: Sequence[TiltedValues]) -> None:
 def _is_tied(of: Measure, along: Sequence[TiltedValues]) -> np.ndarray:
     """Tell at which poses light is tied, (n,) bool."""
     keys = [key for key in of.keys if key == "tied" or key.endswith("_tied")]
-    return np.array([any(found.value(of.name, key) > 0 for key in keys) for found in along], dtype=bool)
+    return np.array([any(found.value(of.name, key) >= _LEAST_TIED for key in keys) for found in along], dtype=bool)
 
 
 def _name_curves(axes: Axes, ends: Sequence[tuple[float, str, str]]) -> None:
