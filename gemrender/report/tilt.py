@@ -305,7 +305,9 @@ def draw_curves(axes: Axes, of: Measure, along: Sequence[TiltedValues]) -> None:
 def _is_tied(of: Measure, along: Sequence[TiltedValues]) -> np.ndarray:
     """Tell at which poses light is tied, (n,) bool."""
     keys = [key for key in of.keys if key == "tied" or key.endswith("_tied")]
-    return np.array([any(found.value(of.name, key) >= _LEAST_TIED for key in keys) for found in along], dtype=bool)
+    return np.array(
+        [any(found.value(of.name, key) >= _LEAST_TIED for key in keys) for found in along], dtype=bool
+    )
 
 
 def _name_curves(axes: Axes, ends: Sequence[tuple[float, str, str]]) -> None:
