@@ -142,6 +142,8 @@ def observe(
     variant: str = DEFAULT_VARIANT,
     bound: float = DEFAULT_BOUND,
     seed: int = 1,
+    measures: Sequence[Measure] = (),
+    head: float = DEFAULT_HEAD,
     time_limit: float = DEFAULT_TIME_LIMIT,
     memory_limit: float = DEFAULT_MEMORY_LIMIT,
     progress: Callable[[float], None] | None = None,
@@ -164,6 +166,9 @@ def observe(
     bound, seed : float, int
         For exact scores their error bound [%], and the seed of the rays near the girdle; the other engines
         make no use of them.
+    measures, head : sequence of Measure, float
+        For exact scores what to measure besides the paper's, and half the angle at which the viewer's head is
+        seen from the stone, 0 to below 90 [deg]; the other engines make no use of them.
     time_limit, memory_limit : float
         What an exact score may take [s] (0.1 to 86400) and [GiB] (0.125 to 1024). Past them it ends with a
         larger bound, and a note that says so. Polygons get three fifths of the time, those of maps as much
@@ -191,7 +196,10 @@ def observe(
         from gemrender.beam.maps import observe as by_beams
 
         budget = Budget(time_limit, memory_limit)
-        return by_beams(stone, view, model, bound=bound, seed=seed, progress=progress, budget=budget)
+        return by_beams(
+            stone, view, model, bound=bound, seed=seed, measures=measures, head_deg=check_head(head),
+            progress=progress, budget=budget,
+        )  # fmt: skip
     if used == "reference":
         from gemrender.reference import observe as by_reference
 
@@ -273,8 +281,8 @@ def trace_paths(
         The light that is followed: the paper's, or all of it.
     view, model, engine, variant, bound, progress, **short
         As for `observe`. The exact engine's rows are virtual facets, and, in independent sets (`set_number`),
-        single rays for what polygons do not tell: so many that the paper's scores have the bound. Those of
-        the other engines are pixels' rays.
+        single rays for what polygons do not tell: so many that the paper's scores, and of all light `iso`
+        and `aset`, have the bound. Those of the other engines are pixels' rays.
     seed : int
         Seed of single rays, and of Mitsuba's random continuations.
     samples : int
