@@ -13,6 +13,7 @@ from gemrender.measures import Measure
 from gemrender.observation import bound_text
 from gemrender.report.formats import Column, TextTable
 from gemrender.report.lettering import name_fonts, save_png
+from gemrender.report.measure_maps import ZONE_COLOURS
 from gemrender.report.tables import measure_columns
 from gemrender.sweep import TiltStudy
 from gemrender.sweep.tilt import Tie, TiltedValues
@@ -39,9 +40,8 @@ _SHOWN = {
     "extinction": ("head", "late_leak"),
     "facets": ("number", "half"),
 }
-#: Colours of a measure's curves; those of ASET are its own.
+#: Colours of a measure's curves; zones of an ASET have those of their maps.
 _COLOURS = ("#1e9c89", "#3f4889", "#c2571a", "#8a5aa8", "#6b7a2b", "#444444")
-_ASET = {"green": "#2f9e44", "red": "#d6322d", "blue": "#2f6fd6", "leak": "#8a8a8a"}
 _INK, _GREY = "#222222", "#666666"
 #: From so many panels about one axis on they stand in two columns.
 _TALL = 4
@@ -280,7 +280,7 @@ def draw_curves(axes: Axes, of: Measure, along: Sequence[TiltedValues]) -> None:
     ends: list[tuple[float, str, str]] = []
     for number, key in enumerate(shown_keys(of)):
         values = np.array([found.value(of.name, key) for found in along])
-        colour = _ASET.get(key, _COLOURS[0]) if of.name == "aset" else _COLOURS[number % len(_COLOURS)]
+        colour = ZONE_COLOURS[key] if of.name == "aset" else _COLOURS[number % len(_COLOURS)]
         axes.plot(turns, values, color=colour, linewidth=1.8)
         if key in of.keys:
             axes.fill_between(turns, values - bounds, values + bounds, color=colour, alpha=0.25, linewidth=0)
