@@ -88,7 +88,7 @@ def tilt(
         str | None,
         typer.Option(
             metavar="FILE",
-            help="Write a film of one stone about one axis, with the map of the first measure and the curves: "
+            help="Write a film of one stone about one axis: the map of the first measure, and curves; "
             ".mp4, .gif or .webp.",
             rich_help_panel=OUTPUT,
         ),
