@@ -182,15 +182,15 @@ def write_measure_maps(
         They cannot be written.
     """
     from gemrender.report.displays import save_figure
-    from gemrender.report.files import write_measures_exr
+    from gemrender.report.files import file_stems, write_measures_exr
 
     def picture(name: str, path: Path) -> None:
         save_figure(measure_map_figure(maps, name), path, f"{maps.stone.name}: map of {name}")
 
     names = [measure.name for measure in maps.measures]
     files: dict[str, Callable[[Path], None]] = {
-        f"{stem}-map-{name}.{ending}": partial(picture, name)
-        for name in names
+        f"{stem}-map-{safe}.{ending}": partial(picture, name)
+        for name, safe in zip(names, file_stems(names), strict=True)
         for ending in dict.fromkeys(formats)
     }
     files[f"{stem}-measures.exr"] = partial(write_measures_exr, maps)

@@ -231,6 +231,13 @@ def test_every_kind_of_measure_has_a_picture(tmp_path):
         assert imread(path).shape[0] > 800
 
 
+def test_a_name_of_ones_own_is_safe_in_a_file_s(tmp_path):
+    measure = Everything()
+    measure.name = "all/inside"
+    written = write_measure_maps(maps_of(PEAR, [measure], resolution=8), tmp_path, "pear")
+    assert written[0].name == "pear-map-inside.png"
+
+
 def test_the_same_picture_is_the_same_file(tmp_path):
     maps = maps_of(STONE, "iso", resolution=16)
     files = [write_measure_maps(maps, tmp_path, stem)[0].read_bytes() for stem in ("a", "b")]
