@@ -265,15 +265,14 @@ def _rules(maps: MeasureMaps, measure: Measure) -> str:
     view, index = maps.view, maps.model.index
     engine = f"{maps.engine} ({maps.variant})" if maps.variant else maps.engine
     tilt = f"eye tilted by {view.tilt_deg:g}° towards azimuth {view.tilt_azimuth_deg:g}°"
-    what = f"{measure.name} {measure.version}: {measure.definition}. Source: {measure.source}."
     lines = [
-        *textwrap.wrap(what, 62),
+        f"{measure.name} {measure.version}: {measure.definition}. Source: {measure.source}.",
         (f"viewer's head {maps.head_deg:g}°, " if "head" in measure.definition else "") + f"index {index:g}",
         *([tilt] if view.tilt_deg else []),
         f"{view.resolution} × {view.resolution} pixels, {engine}; figures are of the pixels",
         f"gemrender {gemrender.__version__}",
     ]
-    return "\n".join(lines)
+    return "\n".join(part for line in lines for part in textwrap.wrap(line, 58))
 
 
 # ---- Mixtures ------------------------------------------------------------------------------------------
