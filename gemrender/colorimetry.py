@@ -192,6 +192,8 @@ def _smoothest(rgb: tuple[float, float, float]) -> np.ndarray:
         damped = min(1.0, 2.0 / float(np.abs(step[: len(log)]).max()))
         log += damped * step[: len(log)]
         multipliers += damped * step[len(log) :]
+    else:
+        raise InputError("must be a colour that light can have", key="colour", value=list(rgb))
     return np.exp(log)
 
 

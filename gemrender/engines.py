@@ -281,8 +281,8 @@ def trace_paths(
         The light that is followed: the paper's, or all of it.
     view, model, engine, variant, bound, progress, **short
         As for `observe`. The exact engine's rows are virtual facets, and, in independent sets (`set_number`),
-        single rays for what polygons do not tell: so many that the paper's scores have the bound. Those of
-        the other engines are pixels' rays.
+        single rays for what polygons do not tell: so many that the paper's scores, and of all light `iso`
+        and `aset`, have the bound. Those of the other engines are pixels' rays.
     seed : int
         Seed of single rays, and of Mitsuba's random continuations.
     samples : int

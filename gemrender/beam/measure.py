@@ -16,6 +16,7 @@ from gemrender.beam.solid import BeamStone, beam_stone
 from gemrender.errors import InputError
 from gemrender.measures.inoue import BANDS, INTENSITY, LOST, MET, REAR, TRAPPED
 from gemrender.measures.measure import HEAD_DEG, Measure
+from gemrender.measures.registry import measure_named
 from gemrender.measures.tally import REST, Tally
 from gemrender.observation import Measurement, MeasureValues, Model, View, bound_text
 from gemrender.paths import Paths
@@ -127,7 +128,7 @@ def measure_facets(
     reached = found.scatter + found.unsolved
     missed = _missed(reached, wanted, found.unsolved, budget if near.stopped else None)
     images, area = facets.images(), found.area
-    values = {of.name: of for of in found.measures(facets)}
+    values = {of.name: of for of in found.measures(facets, images)}
     if over_views:
         more = measure_hemisphere(
             convex, model, over_views, bound=wanted, seed=seed, progress=progress, budget=budget
@@ -160,8 +161,9 @@ def trace_paths(
     Parameters and errors as for `gemrender.trace_paths`.
     """
     convex, wanted = stone if isinstance(stone, BeamStone) else beam_stone(stone), check_bound(bound)
-    tally = Tally(view, model)
-    facets = trace_facets(convex, view=view, model=model, least=_LEAST if follow == "all" else 0.0)
+    of_all = follow == "all"
+    tally = Tally(view, model, [measure_named("iso"), measure_named("aset")] if of_all else ())
+    facets = trace_facets(convex, view=view, model=model, least=_LEAST if of_all else 0.0)
     near = NearGirdle(convex, facets, seed, tally)
     _settle(tally, _sums(tally, facets), near, wanted, None, None)
     return Paths.joined([facets.paths.rows(facets.status != FacetStatus.GIRDLE), *near.paths()])
@@ -213,10 +215,12 @@ class _Found:
         steering = [errors for errors, of in zip(self._errors, tally.measures, strict=True) if of.unit == "%"]
         self.scatter = float(max([scatter, *(np.nanmax(errors, initial=0.0) for errors in steering)]))
 
-    def measures(self, facets: VirtualFacets) -> tuple[MeasureValues, ...]:
-        """Return what each measure says."""
+    def measures(self, facets: VirtualFacets, images: np.ndarray) -> tuple[MeasureValues, ...]:
+        """Return what each measure says, of virtual facets with so many images (n,) each."""
+        if not self._tally.measures:
+            return ()
         counted = np.flatnonzero(facets.is_counted | (facets.paths.partial_reflections > 0))
-        paths = replace(facets.paths.rows(counted), images=facets.images()[counted])
+        paths = replace(facets.paths.rows(counted), images=images[counted])
         light = self._tally.light(paths)
         return tuple(
             MeasureValues(

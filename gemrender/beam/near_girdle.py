@@ -128,8 +128,7 @@ class NearGirdle:
                         self.stopped = True
                         break
                 start = time.perf_counter()
-                steps = np.arange(done + 1, last + 1)[:, None] * _STEPS
-                total += (last - done) * self._trace(region, (self._shifts[:, k, None] + steps) % 1.0)
+                total += (last - done) * self._trace(region, self._unit(k, done, last))
                 self._seconds[k] += time.perf_counter() - start
                 done = last
                 if progress is not None:
@@ -155,6 +154,11 @@ class NearGirdle:
             return some_sets(slice(None))
         return by_sets(some_sets, sets)
 
+    def _unit(self, k: int, done: int, last: int) -> np.ndarray:
+        """Return the next points of the unit square for a region, (SETS, last - done, 2)."""
+        unit = self._shifts[:, k, None] + np.arange(done + 1, last + 1)[:, None] * _STEPS
+        return np.asarray(unit - np.floor(unit))
+
     def _states(self, sets: int, n: int) -> np.ndarray:
         """Return states of random numbers, (sets, n) uint64; (sets, 0) for principal light."""
         shape = (sets, n if self._follows_all else 0)
@@ -174,8 +178,7 @@ class NearGirdle:
             n = self._done[k]
             if n == 0:
                 continue
-            unit = (self._shifts[:, k, None] + np.arange(1, n + 1)[:, None] * _STEPS) % 1.0
-            paths = self._paths(region, unit, self._states(SETS, n))
+            paths = self._paths(region, self._unit(k, 0, n), self._states(SETS, n))
             assert paths.set_number is not None
             share = np.full(SETS, 1.0 / SETS)
             if k == RIM:  # as `found` has it
