@@ -24,9 +24,10 @@ from gemrender.cli.stones import StoneOptions, load
 
 if TYPE_CHECKING:
     from gemrender.cli.stones import LoadedStones
+    from gemrender.observation import Observation
     from gemrender.scoring import Score
 
-__all__ = ["score"]
+__all__ = ["score", "score_observed"]
 
 #: From so many stones on, the time that they took is told.
 _MANY = 100
@@ -77,7 +78,6 @@ def _scores(
     from gemrender.engines import observe
     from gemrender.report.files import file_stems, prepare_folder, write_observation
     from gemrender.scoring import score as score_stone
-    from gemrender.scoring import score_observation
 
     folder = None if out is None else prepare_folder(out)
     stems = file_stems(loaded.names) if folder is not None else []
@@ -88,7 +88,16 @@ def _scores(
                 yield score_stone(stone, **measures, **traced)
                 continue
             observation = observe(stone, **traced)
-            of_map = score_observation(observation)
-            yield of_map if measures["measures"] is None else score_stone(stone, **measures, **traced)
+            yield score_observed(observation, measures, traced)
             write_observation(observation, folder, stems[i])
             del observation  # before the next one is made: at 4096 x 4096 its maps take 0.8 GB
+
+
+def score_observed(observation: Observation, measures: dict[str, Any], traced: dict[str, Any]) -> Score:
+    """Score what was observed; where there are further measures, by what they need beside the maps."""
+    from gemrender.scoring import score as score_stone
+    from gemrender.scoring import score_observation
+
+    if measures["measures"] is None:
+        return score_observation(observation)
+    return score_stone(observation.stone, **measures, **traced)

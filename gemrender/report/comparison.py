@@ -15,7 +15,7 @@ from gemrender.observation import Observation, RayStatus
 from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR, map_picture
 from gemrender.report.formats import format_csv, format_json, format_markdown
 from gemrender.report.lettering import name_fonts, save_png
-from gemrender.report.tables import band_name, how_text, model_text, score_record, score_table
+from gemrender.report.tables import band_name, how_text, model_text, score_record, score_tables
 from gemrender.scoring import Score, score_observation
 from gemrender.writing import write_whole
 
@@ -45,13 +45,21 @@ _INK, _GREY = "#222222", "#666666"
 Panel = tuple[Score, np.ndarray]
 
 
-def panel(observation: Observation) -> Panel:
-    """Return what a comparison keeps of an observation, so that many need little memory."""
+def panel(observation: Observation, result: Score | None = None) -> Panel:
+    """Return what a comparison keeps of an observation, so that many need little memory.
+
+    Parameters
+    ----------
+    observation : Observation
+        The maps.
+    result : Score, optional
+        The stone's score, such as one with further measures; by default that of the observation.
+    """
     picture = map_picture(observation)
     step = max(1, len(picture) // PANEL_PIXELS)
     side = len(picture) // step
     blocks = picture[: side * step, : side * step].reshape(side, step, side, step, 3)
-    return score_observation(observation), blocks.mean(axis=(1, 3)).astype(np.uint8)
+    return result or score_observation(observation), blocks.mean(axis=(1, 3)).astype(np.uint8)
 
 
 def format_scores(scores: Sequence[Score], form: str) -> str:
@@ -67,7 +75,7 @@ def format_scores(scores: Sequence[Score], form: str) -> str:
     if form == "csv":
         return format_csv([score_record(s) for s in scores])
     if form == "markdown":
-        return format_markdown([score_table(scores)])
+        return format_markdown(score_tables(scores))
     raise InputError("must be one of csv, json, markdown", key="format", value=form)
 
 
