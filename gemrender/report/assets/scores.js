@@ -136,7 +136,7 @@ const GemScores = (() => {
             find(root, 'table').append(this.head(), this.body);
             this.fillBaseline();
             find(root, '#csv').addEventListener('click', () => this.download());
-            choices.hear.push((changed) => ['sort', 'baseline', 'turn'].some((key) => key in changed) && this.fill());
+            choices.hear.push((changed) => ['sort', 'isDown', 'baseline', 'turn'].some((key) => key in changed) && this.fill());
             this.fill();
         }
 
