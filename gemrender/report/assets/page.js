@@ -1260,7 +1260,7 @@
                 candidates.push({ x: radius * Math.cos(turn), y: radius * Math.sin(turn) });
             }
         const isGood = (point) => {
-            const path = cards[0].trace(point);
+            const path = cards[0].trace(point, cards[0].stone.view.basis);
             return path.intensity > 55 && path.reflections === 2;
         };
         return candidates.find(isGood) ?? candidates[0];
