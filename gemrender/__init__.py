@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from gemrender.observation import Model, Observation, RayStatus, View
     from gemrender.paths import Paths
     from gemrender.render.backend import mitsuba
+    from gemrender.stereo import StereoScore, score_stereo
     from gemrender.stone import Stone
 
 __version__ = "0.1.0"
@@ -55,6 +56,7 @@ __all__ = [
     "RayStatus",
     "RoundBrilliant",
     "Score",
+    "StereoScore",
     "Stone",
     "View",
     "VirtualFacets",
@@ -65,6 +67,7 @@ __all__ = [
     "observe",
     "save_stone",
     "score",
+    "score_stereo",
     "sensitivity",
     "stone_from_vertices",
     "trace_facets",
@@ -88,6 +91,8 @@ _ON_DEMAND = {
     "save_stone": "gemrender.cuts",
     "stone_from_vertices": "gemrender.cuts",
     "vary": "gemrender.cuts",
+    "StereoScore": "gemrender.stereo",
+    "score_stereo": "gemrender.stereo",
     "VirtualFacets": "gemrender.beam",
     "sensitivity": "gemrender.beam.sensitivity",
     "trace_facets": "gemrender.beam",

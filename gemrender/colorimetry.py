@@ -19,10 +19,13 @@ from gemrender.errors import InputError
 __all__ = [
     "ADAPTATION",
     "KELVIN_RANGE",
+    "VISIBLE_NM",
     "adapt",
     "adaptation_matrix",
     "check_image",
     "colour_matching",
+    "colour_spectrum",
+    "colour_xyz",
     "illuminant_names",
     "illuminant_spectrum",
     "luminance_weights",
@@ -37,6 +40,9 @@ __all__ = [
 #: from illuminant A at 430 nm 13 and 17 times, under 10000 K they make violet negative. This one keeps it
 #: within a few per cent, and white is white in any of them.
 ADAPTATION = "Von Kries"
+
+#: Visible light, which pictures are made of [nm].
+VISIBLE_NM = (380.0, 760.0)
 
 #: Allowed temperatures of a blackbody [K].
 KELVIN_RANGE = (1000.0, 25000.0)
@@ -115,6 +121,85 @@ def white_xyz(name_or_kelvin: str | float) -> np.ndarray:
     rows, bars = _observer()
     xyz = illuminant_spectrum(name_or_kelvin, rows) @ bars
     return np.asarray(xyz / xyz[1])
+
+
+def colour_xyz(rgb: Any) -> np.ndarray:
+    """Return X, Y and Z of a colour (3,) that comes out as `rgb` where white is D65.
+
+    Parameters
+    ----------
+    rgb : array_like (3,)
+        Linear sRGB.
+    """
+    return np.asarray(np.linalg.solve(_xyz_to_rgb(), np.asarray(rgb, dtype=np.float64)))
+
+
+def colour_spectrum(rgb: Any, wavelength_nm: Any) -> np.ndarray:
+    """Return the smoothest positive spectrum of a colour (...), such that a picture of it is `rgb` exactly.
+
+    Of all that are positive it is the one whose logarithm has the least sum of squared steps from one row of
+    a 5 nm table to the next, after Burns, "Numerical methods for smoothest reflectance reconstruction",
+    Color Research and Application 45 (2020), method LHTSS (but unbounded above, as lights are). Mitsuba's
+    upsampling of emissions is close to a colour only, and the light of a red lamp would count as green too.
+
+    Parameters
+    ----------
+    rgb : array_like (3,)
+        Linear sRGB where white is D65, at least 0 and not all 0.
+    wavelength_nm : array_like (...)
+        Wavelengths in vacuum [nm]; linear between rows, and 0 outside `VISIBLE_NM`.
+
+    Raises
+    ------
+    InputError
+        No such colour, or a bad wavelength.
+    """
+    colour = np.asarray(rgb, dtype=np.float64)
+    if colour.shape != (3,) or not np.all(np.isfinite(colour) & (colour >= 0)) or not colour.any():
+        raise InputError("must be three numbers of at least 0, not all 0", key="colour", value=rgb)
+    wavelengths, most = _wavelengths(wavelength_nm), float(colour.max())
+    table = _smoothest(tuple(float(x) for x in colour / most))
+    return np.asarray(most * np.interp(wavelengths, _ROWS_NM, table, left=0, right=0))
+
+
+#: Rows of the spectra of colours [nm].
+_ROWS_NM = np.arange(VISIBLE_NM[0], VISIBLE_NM[1] + 1, 5.0)
+#: How far from its colour a spectrum may be, and Newton steps until then: ten are usual.
+_COLOUR_ERROR, _NEWTON_STEPS = 1e-10, 200
+
+
+@lru_cache(maxsize=64)
+def _smoothest(rgb: tuple[float, float, float]) -> np.ndarray:
+    """Return the rows of the smoothest positive spectrum of a colour."""
+    # Simpson's rule by 1 nm: exact for products of two tables that are linear in between, as of a picture
+    grid = np.arange(2 * VISIBLE_NM[0], 2 * VISIBLE_NM[1] + 1) / 2.0
+    weights = np.full(len(grid), 2.0 / 6.0)
+    weights[1::2], weights[[0, -1]] = 4.0 / 6.0, 1.0 / 6.0
+    hats = np.stack([np.interp(grid, _ROWS_NM, one) for one in np.eye(len(_ROWS_NM))], axis=1)
+    response = _xyz_to_rgb() @ (colour_matching(grid) * weights[:, None]).T @ hats / y_integral_nm()
+    steps = np.diff(np.eye(len(_ROWS_NM)), axis=0)
+    slope = steps.T @ steps
+    # Newton's method on the Lagrangian: unknown are the logarithms of the rows, and three multipliers
+    log, multipliers = np.zeros(len(_ROWS_NM)), np.zeros(3)
+    for _ in range(_NEWTON_STEPS):
+        gradient = response * np.exp(log)
+        missing = np.asarray(rgb) - gradient.sum(axis=1)
+        if np.abs(missing).max() < _COLOUR_ERROR:
+            break
+        curved = slope + np.diag(gradient.T @ multipliers)
+        matrix = np.block([[curved, gradient.T], [gradient, np.zeros((3, 3))]])
+        step = np.linalg.solve(matrix, np.concatenate([-slope @ log - gradient.T @ multipliers, missing]))
+        damped = min(1.0, 2.0 / float(np.abs(step[: len(log)]).max()))
+        log += damped * step[: len(log)]
+        multipliers += damped * step[len(log) :]
+    else:
+        raise InputError("must be a colour that light can have", key="colour", value=list(rgb))
+    return np.exp(log)
+
+
+def _xyz_to_rgb() -> np.ndarray:
+    """Return the matrix (3, 3) from XYZ to the linear sRGB of a picture whose white is D65."""
+    return np.asarray(matrix_to_linear_srgb() @ adaptation_matrix(white_xyz("d65")))
 
 
 @lru_cache(maxsize=1)

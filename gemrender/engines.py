@@ -9,6 +9,8 @@ from gemrender.errors import BackendError, InputError
 from gemrender.request import DEFAULT_RESOLUTION, ShortForms, resolve
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from gemrender.measures.measure import Measure
     from gemrender.observation import Measurement, Model, Observation, View
     from gemrender.paths import Paths
@@ -206,6 +208,7 @@ def measure(
     model: Model | None = None,
     measures: Sequence[Measure] = (),
     head: float = DEFAULT_HEAD,
+    zenith: np.ndarray | None = None,
     variant: str = DEFAULT_VARIANT,
     bound: float = DEFAULT_BOUND,
     seed: int = 1,
@@ -224,6 +227,8 @@ def measure(
         What to measure besides the paper's score.
     head : float
         Half the angle at which the viewer's head is seen from the stone, 0 to below 90 [deg].
+    zenith : (3,) float64, optional
+        The viewer's zenith, in the stone's frame; by default the direction to the eye.
 
     Returns
     -------
@@ -238,8 +243,8 @@ def measure(
     from gemrender.beam import measure as by_beams
 
     measured = by_beams(
-        stone, view=view, model=model, measures=measures, head_deg=check_head(head), bound=bound, seed=seed,
-        progress=progress, budget=Budget(time_limit, memory_limit),
+        stone, view=view, model=model, measures=measures, head_deg=check_head(head), zenith=zenith,
+        bound=bound, seed=seed, progress=progress, budget=Budget(time_limit, memory_limit),
     )  # fmt: skip
     return measured, view, model
 
@@ -254,6 +259,7 @@ def trace_paths(
     variant: str = DEFAULT_VARIANT,
     bound: float = DEFAULT_BOUND,
     seed: int = 1,
+    samples: int = 1,
     progress: Callable[[float], None] | None = None,
     **short: Unpack[ShortForms],
 ) -> Paths:
@@ -267,10 +273,12 @@ def trace_paths(
         The light that is followed: the paper's, or all of it.
     view, model, engine, variant, bound, progress, **short
         As for `observe`. The exact engine's rows are virtual facets, and, in independent sets (`set_number`),
-        single rays for what polygons do not tell: so many that the paper's scores have the bound. Those of
-        the other engines are pixels' rays.
+        single rays for what polygons do not tell: so many that the paper's scores, and of all light `iso`
+        and `aset`, have the bound. Those of the other engines are pixels' rays.
     seed : int
         Seed of single rays, and of Mitsuba's random continuations.
+    samples : int
+        Mitsuba's rays a pixel: one through its centre, or several at random, each in a set of its own.
 
     Raises
     ------
@@ -296,7 +304,9 @@ def trace_paths(
         return by_reference(stone, view, model, follow=follow)
     from gemrender.render.paths import trace_paths as by_mitsuba
 
-    return by_mitsuba(stone, view, model, follow=follow, variant=variant, seed=seed, progress=progress)
+    return by_mitsuba(
+        stone, view, model, follow=follow, variant=variant, seed=seed, spp=samples, progress=progress
+    )
 
 
 def check_head(head: float) -> float:

@@ -30,6 +30,7 @@ __all__ = [
     "Band",
     "FacetSizes",
     "Score",
+    "chosen_or_none",
     "score",
     "score_measurement",
     "score_observation",
@@ -253,18 +254,24 @@ def score(
     InputError, BackendError
         As for `observe`; a measure that there is not, or that the engine cannot tell.
     """
-    chosen = None
-    if measures is not None:
-        from gemrender.measures import chosen_measures
-
-        chosen = chosen_measures(measures)
+    chosen = chosen_or_none(measures)
     check_head(head)
     if engine_for(engine, stone) != "exact":
         found = score_observation(observe(stone, engine=engine, **options))
         return found if chosen is None else _with_measures(found, stone, engine, chosen, head, options)
     measured, view, model = measure(stone, measures=chosen or (), head=head, **options)
-    found = score_measurement(measured, stone, view, model)
-    return found if chosen is None else replace(found, measures=measured.measures)
+    return score_measurement(measured, stone, view, model, with_measures=chosen is not None)
+
+
+def chosen_or_none(
+    measures: str | Measure | Iterable[str | Measure] | None,
+) -> tuple[Measure, ...] | None:
+    """Return the measures that were asked for, if any were; errors as of `chosen_measures`."""
+    if measures is None:
+        return None
+    from gemrender.measures import chosen_measures
+
+    return chosen_measures(measures)
 
 
 def _with_measures(
@@ -289,11 +296,17 @@ def _with_measures(
             )
     short: Any = {key: options[key] for key in ShortForms.__annotations__ if key in options}
     view, model = resolve(stone, options.get("view"), options.get("model"), short)
-    of_paths = {key: options[key] for key in ("variant", "seed", "progress") if key in options}
-    follow = "all" if any(of.follow == "all" for of in measures) else "principal"
-    paths = trace_paths(stone, view=view, model=model, engine=engine, follow=follow, **of_paths)
     tally = Tally(view, model, measures, head)
-    [values] = [tally.values(sums) for sums in tally.sum_up(paths)]
+    of_paths = {key: options[key] for key in ("variant", "seed", "progress") if key in options}
+    sets = _SETS if engine_for(engine, stone) == "mitsuba" else 1
+    # As many rays, in sets: their scatter tells the error.
+    coarser = replace(view, resolution=max(round(view.resolution / sets**0.5), 1))
+    paths = trace_paths(
+        stone, view=coarser, model=model, engine=engine, follow="all" if tally.follows_all else "principal",
+        samples=sets, **of_paths,
+    )  # fmt: skip
+    by_set = sets * tally.sum_up(paths, sets)
+    values, scatter = tally.values(by_set.mean(axis=0)), tally.values(by_set)
     return replace(
         found,
         measures=tuple(
@@ -301,13 +314,22 @@ def _with_measures(
                 name=of.name,
                 version=of.version,
                 values=dict(zip(of.keys, map(float, each), strict=True)),
-                bound=None,
+                bound=None if sets == 1 else _bound(spread),
             )
-            for of, each in zip(measures, values, strict=True)
+            for of, each, spread in zip(measures, values, scatter, strict=True)
         ),
     )
 
 
+def _bound(values: np.ndarray) -> float:
+    """Return the bound that values of sets (_SETS, k) give their mean, with a confidence of 99.9 %."""
+    import numpy as np
+
+    return float(_STUDENT_T / _SETS**0.5 * np.nanmax(values.std(axis=0, ddof=1), initial=0.0))
+
+
+#: Independent sets of Mitsuba's rays, and Student's t for the mean of so many, two-sided, 99.9 %.
+_SETS, _STUDENT_T = 16, 4.073
 _EDGES = tuple(zip(BAND_EDGES, (None, *BAND_EDGES[:-1]), strict=True))
 #: Lower edges of the classes of virtual facets by size [% of the view].
 _SIZE_CLASSES = (1.0, 0.1, 0.01, 0.001, 0.0)
@@ -331,7 +353,13 @@ def _request(view: View, model: Model) -> dict[str, Any]:
 
 
 def score_measurement(
-    measured: Measurement, stone: Stone, view: View, model: Model, *, seconds: float | None = None
+    measured: Measurement,
+    stone: Stone,
+    view: View,
+    model: Model,
+    *,
+    seconds: float | None = None,
+    with_measures: bool = False,
 ) -> Score:
     """Return a measurement as a score; its time [s] is that of the measurement, or another one."""
     return Score(
@@ -349,6 +377,7 @@ def score_measurement(
         facets=_facet_sizes(measured),
         assumed=stone.assumed,
         notes=measured.notes,
+        measures=measured.measures if with_measures else None,
         **_request(view, model),
     )
 

@@ -78,6 +78,8 @@ def ray_benchmark(stone: Stone, resolution: int, repeats: int) -> None:
     """Time the bare loop, the plugins, the maps and `mi.render`, taking turns."""
     view, model = View.of(stone, resolution), Model.of(stone, fresnel="exact")
     scene: Any = mi.load_dict(stone_scene(stone, view, model))
+    with_all: Any = mi.load_dict(stone_scene(stone, view, model, follow="all"))
+    sampler: Any = mi.load_dict({"type": "independent"})
     step = 2 / resolution
     pixel = dr.arange(mi.UInt32, resolution * resolution)
     index = dr.opaque(mi.Float, model.index)
@@ -92,9 +94,15 @@ def ray_benchmark(stone: Stone, resolution: int, repeats: int) -> None:
     def render() -> None:
         dr.eval(mi.render(scene, spp=1))
 
+    def all_light() -> None:
+        sampler.seed(1, resolution * resolution)
+        ray = engine.film_rays(with_all.sensors()[0])
+        dr.eval(with_all.integrator().measure(with_all, ray, sampler))
+
     runs: dict[str, Callable[[], Any]] = {
         "bare loop": bare,
         "sensor and gem_primary": lambda: engine.follow(scene, engine.film_rays(scene.sensors()[0])),
+        "the same, all light": all_light,
         "observe, all maps": lambda: engine.observe(stone, view, model),
         "mi.render, 15 channels": render,
     }

@@ -16,11 +16,24 @@ import time
 import traceback
 import warnings
 from collections import Counter
+from itertools import pairwise
 
 import numpy as np
 
 from gemrender.errors import GemrenderError, InputError
-from gemrender.scene.setup import CAMERAS, GROUNDS, LIGHTS, POSES, SKIES, Camera, Ground, Light, Setup, Sky
+from gemrender.scene.setup import (
+    CAMERAS,
+    GROUNDS,
+    LIGHTS,
+    POSES,
+    SKIES,
+    Camera,
+    Ground,
+    Light,
+    Setup,
+    Sky,
+    Zone,
+)
 
 #: Angles at which things are edge-on, upright or level [deg].
 TELLING = (-90.0, -89.5, 0.0, 1e-6, 45.0, 89.5, 90.0)
@@ -88,7 +101,7 @@ def random_setup(rng: np.random.Generator) -> Setup:
                 facing=float(rng.uniform(-360, 360)),
                 camera=_camera(rng),
                 lights=tuple(_light(rng) for _ in range(rng.integers(0, 4))),
-                sky=Sky(type=str(rng.choice(SKIES)), radiance=_radiance(rng), spectrum=_spectrum(rng)),
+                sky=_sky(rng),
                 ground=Ground(
                     type=ground,
                     reflectance=float(rng.choice([0.0, 1.0, rng.uniform()])),
@@ -111,6 +124,23 @@ def _camera(rng: np.random.Generator) -> Camera:
         aperture=float(10 ** rng.uniform(-2, 2)),
         focus=float(rng.uniform(-1, 1)),
     )
+
+
+def _sky(rng: np.random.Generator) -> Sky:
+    kind = str(rng.choice(SKIES))
+    if kind != "zones":
+        return Sky(type=kind, radiance=_radiance(rng), spectrum=_spectrum(rng))
+    edges = np.unique([_elevation(rng) for _ in range(rng.integers(2, 9))])
+    zones = [
+        Zone(elevation=(float(low), float(high)), colour=_colour(rng), radiance=_radiance(rng))
+        for low, high in pairwise(edges)
+    ]
+    return Sky(type=kind, zones=tuple(zones))
+
+
+def _colour(rng: np.random.Generator) -> tuple[float, float, float]:
+    red, green, blue = rng.choice([0.0, 1.0, 1e-12, 1e-3, rng.uniform()], size=3)
+    return float(red), float(green), float(blue)
 
 
 def _light(rng: np.random.Generator) -> Light:

@@ -2,6 +2,7 @@
 
     python scripts/gallery.py                                  # all, into docs/gallery: about 30 minutes
     python scripts/gallery.py ruby sapphire --out /tmp/gallery --size 320 --samples 32
+    python scripts/gallery.py viewers                          # a sheet of stones in gem viewers
     python scripts/gallery.py turntable                        # the film, and a small moving picture of it
 
 Pictures are denoised where mitsuba-oidn is installed (pip install mitsuba-oidn), unless --raw; the
@@ -11,17 +12,22 @@ film needs pip install av.
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
+import numpy as np
 from PIL import Image
 
 from gemrender.cuts import load_stone
+from gemrender.cuts.round_brilliant.proportions import RoundBrilliant
 from gemrender.errors import BackendError
 from gemrender.render.finish import denoised, developed, exposure_of
 from gemrender.render.frames import render_film
 from gemrender.render.photoreal import make_gems, render, require_denoiser
 from gemrender.scene.setup import load_setup
+from gemrender.stone import Stone
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,6 +78,9 @@ SHOTS = {
     "pear": Shot(setup="velvet", stones=(f"{DESIGNS}/pear.asc",), material="quartz"),
     "checkerboard": Shot(setup="studio", stones=(f"{DESIGNS}/checkerboard-round.asc",), material="spinel"),
 }
+#: What the sheet shows: set-ups of gem viewers, from left to right, and stones with materials, downwards.
+VIEWERS = ("aset", "ideal-scope", "arrows", "hearts")
+VIEWED = (("near-ideal", "diamond"), (f"{DESIGNS}/emerald.asc", "quartz"), (f"{DESIGNS}/pear.asc", "quartz"))
 #: Frames of the turntable, and how many a second shows.
 FRAMES, FPS = 72, 24.0
 
@@ -79,7 +88,7 @@ FRAMES, FPS = 72, 24.0
 def main() -> None:
     """Render what is asked for."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("names", nargs="*", help=f"of {', '.join(SHOTS)}, turntable; by default all")
+    parser.add_argument("names", nargs="*", help=f"of {', '.join(SHOTS)}, viewers, turntable; by default all")
     parser.add_argument("--out", type=Path, default=Path("docs/gallery"), help="folder to write to")
     parser.add_argument("--size", type=int, default=720, help="pixels a side")
     parser.add_argument("--samples", type=int, default=128, help="samples a pixel")
@@ -87,35 +96,63 @@ def main() -> None:
     parser.add_argument("--png", action="store_true", help="write PNG, not JPEG")
     parser.add_argument("--raw", action="store_true", help="do not denoise")
     arguments = parser.parse_args()
-    names = arguments.names or [*SHOTS, "turntable"]
-    if unknown := [name for name in names if name not in SHOTS and name != "turntable"]:
-        parser.error(f"unknown picture {unknown[0]}; must be one of {', '.join(SHOTS)}, turntable")
+    known = [*SHOTS, "viewers", "turntable"]
+    names = arguments.names or known
+    if unknown := [name for name in names if name not in known]:
+        parser.error(f"unknown picture {unknown[0]}; must be one of {', '.join(known)}")
     denoise = not arguments.raw and _can_denoise()
     arguments.out.mkdir(parents=True, exist_ok=True)
     for name in names:
         if name == "turntable":
             turntable(arguments.out, arguments.size // 2, arguments.samples // 4, arguments.seed, denoise)
-        else:
-            file = arguments.out / f"{name}.{'png' if arguments.png else 'jpg'}"
-            still(file, SHOTS[name], arguments.size, arguments.samples, arguments.seed, denoise)
+            continue
+        render_shot = partial(shown, samples=arguments.samples, seed=arguments.seed, denoise=denoise)
+        rgb = (
+            sheet(render_shot, arguments.size)
+            if name == "viewers"
+            else render_shot(SHOTS[name], arguments.size)
+        )
+        file = arguments.out / f"{name}.{'png' if arguments.png else 'jpg'}"
+        quality = 85 if name == "viewers" else 93  # a sheet of many edges
+        options = {"optimize": True} if arguments.png else {"quality": quality, "subsampling": 0}
+        Image.fromarray(rgb).save(file, **options)
+        print(name, flush=True)
 
 
-def still(file: Path, shot: Shot, size: int, samples: int, seed: int, denoise: bool) -> None:
-    """Render a picture, and write it as JPEG or PNG."""
-    gems = make_gems([load_stone(stone) for stone in shot.stones], material=shot.material, carat=1.0)
+def shown(shot: Shot, size: int, *, samples: int, seed: int, denoise: bool) -> np.ndarray:
+    """Render a picture, and return it as it is shown, (h, w, 3) uint8."""
+    gems = make_gems([stone_of(stone) for stone in shot.stones], material=shot.material, carat=1.0)
     setup = load_setup(shot.setup)
     height = round(size / shot.aspect)
     picture = render(
         gems, setup, width=size, height=height, spp=samples, seed=seed, dispersion=shot.dispersion
     )
-    took = f"{picture.samples} samples a pixel, noise {picture.noise:.3f}, {picture.seconds:.0f} s"
+    print(f"{picture.samples} samples a pixel, noise {picture.noise:.3f}, {picture.seconds:.0f} s", end="  ")
     if denoise:
         picture = denoised(picture)
-    exposure = exposure_of(picture, setup)
-    rgb = developed(picture, setup, exposure=exposure, curve=shot.curve)
-    options = {"optimize": True} if file.suffix == ".png" else {"quality": 93, "subsampling": 0}
-    Image.fromarray(rgb).save(file, **options)
-    print(f"{file.stem}: {took}", flush=True)
+    return developed(picture, setup, exposure=exposure_of(picture, setup), curve=shot.curve)
+
+
+def stone_of(name: str) -> Stone:
+    """Return a stone by its name or file, or a round brilliant of near-ideal proportions."""
+    if name != "near-ideal":
+        return load_stone(name)
+    cut = RoundBrilliant.from_angles(
+        table=56, crown_angle=34.5, pavilion_angle=40.75, star=50, lower_half=77, girdle_thickness=2.5
+    )
+    return cut.stone(name=name)
+
+
+def sheet(render_shot: Callable[[Shot, int], np.ndarray], size: int) -> np.ndarray:
+    """Render stones in gem viewers side by side, each a third of the size of other pictures."""
+    rows = [
+        [
+            render_shot(Shot(setup=setup, stones=(stone,), material=material, curve="linear"), size // 3)
+            for setup in VIEWERS
+        ]
+        for stone, material in VIEWED
+    ]
+    return np.concatenate([np.concatenate(row, axis=1) for row in rows])
 
 
 def turntable(out: Path, size: int, samples: int, seed: int, denoise: bool) -> None:

@@ -25,6 +25,7 @@ from gemrender.beam.rays import (
     Rays,
     empty_rays,
 )
+from gemrender.optics.fresnel import transmittance
 
 __all__ = ["Cells"]
 
@@ -42,7 +43,8 @@ class Cells:
     Attributes
     ----------
     area : float
-        Area of all of them, each times its weight [girdle radius^2].
+        Area of all of them; of light that has been reflected in part, each times the share of the light at
+        the eye that is in it [girdle radius^2].
     """
 
     def __init__(self, facets: VirtualFacets, *, of_principal: bool) -> None:
@@ -55,7 +57,11 @@ class Cells:
         second = apex + 1 + np.arange(len(apex)) - np.repeat(np.cumsum(number) - number, number)
         self._triangles = facets.corners[np.stack([apex, second, second + 1], axis=1)]
         a, b = (self._triangles[:, k] - self._triangles[:, 0] for k in (1, 2))
+        # Every ray of light that has been reflected in part has the same share of the light at the eye, so
+        # that all shares together make just what there is.
         self._weights = facets.paths.weight[cells]
+        if not of_principal:
+            self._weights *= transmittance(facets.paths.cos_entry[cells], facets.model.index)
         areas = 0.5 * np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
         self._upto = np.cumsum(areas * self._weights[self._cell])
         self.area = float(self._upto[-1]) if len(self._upto) else 0.0
@@ -63,7 +69,7 @@ class Cells:
         self._starts = _starts(facets, cells)
 
     def rays(self, unit: np.ndarray, random: np.ndarray) -> tuple[Rays, np.ndarray, np.ndarray]:
-        """Spread rays over them, of each area as many as its weight says.
+        """Spread rays over them, of each area as many as its share of the light says.
 
         Parameters
         ----------

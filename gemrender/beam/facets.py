@@ -151,8 +151,10 @@ class VirtualFacets:
         if not len(self.wedge):
             return np.ones(len(self), dtype=np.int64)
         images = self.stone.symmetry.images[: len(self.wedge)]  # of the mirrors beside the wedge
-        stays = (images == np.arange(images.shape[1]))[:, self.nodes[:, 1]]
-        number = along_paths(self.nodes[:, 0], stays, np.logical_and)[:, self.node].sum(axis=0)
+        stays = images == np.arange(images.shape[1])  # of each facet, a bit for each mirror
+        bits = (stays << np.arange(len(stays))[:, None]).sum(axis=0)
+        in_both = along_paths(self.nodes[:, 0], bits[self.nodes[:, 1]], np.bitwise_and)[self.node]
+        number = np.array([0, 1, 1, 2])[in_both]
         return np.asarray(np.where(number == 2, 1, self.parts >> number))
 
 

@@ -10,11 +10,13 @@ import numpy as np
 
 from gemrender.beam.budget import Budget
 from gemrender.beam.facets import FacetStatus, VirtualFacets, trace_facets
+from gemrender.beam.hemisphere import measure_hemisphere
 from gemrender.beam.near_girdle import SETS, STUDENT_T, NearGirdle
 from gemrender.beam.solid import BeamStone, beam_stone
 from gemrender.errors import InputError
 from gemrender.measures.inoue import BANDS, INTENSITY, LOST, MET, REAR, TRAPPED
 from gemrender.measures.measure import HEAD_DEG, Measure
+from gemrender.measures.registry import measure_named
 from gemrender.measures.tally import REST, Tally
 from gemrender.observation import Measurement, MeasureValues, Model, View, bound_text
 from gemrender.paths import Paths
@@ -52,6 +54,7 @@ def measure(
     model: Model | None = None,
     measures: Sequence[Measure] = (),
     head_deg: float = HEAD_DEG,
+    zenith: np.ndarray | None = None,
     bound: float = 0.05,
     seed: int = 1,
     progress: Callable[[float], None] | None = None,
@@ -71,6 +74,8 @@ def measure(
         What to measure besides the paper's score.
     head_deg : float
         Half the angle at which the viewer's head is seen from the stone [deg].
+    zenith : (3,) float64, optional
+        The viewer's zenith (`Light`); by default the direction to the eye.
     bound : float
         Wanted error bound of every score [%].
     seed : int
@@ -87,8 +92,8 @@ def measure(
         The stone is not convex, or the bound out of range.
     """
     return measure_facets(
-        stone, view=view, model=model, measures=measures, head_deg=head_deg, bound=bound, seed=seed,
-        progress=progress, budget=budget,
+        stone, view=view, model=model, measures=measures, head_deg=head_deg, zenith=zenith, bound=bound,
+        seed=seed, progress=progress, budget=budget,
     )[0]  # fmt: skip
 
 
@@ -103,12 +108,16 @@ def measure_facets(
     budget: Budget | None,
     measures: Sequence[Measure] = (),
     head_deg: float = HEAD_DEG,
+    zenith: np.ndarray | None = None,
 ) -> tuple[Measurement, VirtualFacets]:
     """Score a stone as `measure` does; return its virtual facets too, of a symmetric one those of a part."""
     start = time.perf_counter()
     wanted = check_bound(bound)
     convex = stone if isinstance(stone, BeamStone) else beam_stone(stone)
-    tally = Tally(view or View(resolution=1), model or Model.of(convex.stone), measures, head_deg)
+    model = model or Model.of(convex.stone)
+    over_views = [of for of in measures if of.views == "hemisphere"]
+    of_one = [of for of in measures if of not in over_views]
+    tally = Tally(view or View(resolution=1), model, of_one, head_deg, zenith)
     facets = trace_facets(
         convex, view=tally.view, model=tally.model, whole=not tally.is_axial,
         least=_LEAST if tally.follows_all else 0.0, budget=budget,
@@ -119,6 +128,12 @@ def measure_facets(
     reached = found.scatter + found.unsolved
     missed = _missed(reached, wanted, found.unsolved, budget if near.stopped else None)
     images, area = facets.images(), found.area
+    values = {of.name: of for of in found.measures(facets, images)}
+    if over_views:
+        more = measure_hemisphere(
+            convex, model, over_views, bound=wanted, seed=seed, progress=progress, budget=budget
+        )
+        values |= {of.name: of for of in more}
     counted, scores = facets.is_counted, found.scores
     measured = Measurement(
         average=float(scores[INTENSITY]),
@@ -133,7 +148,7 @@ def measure_facets(
         girdle=100.0 * (1.0 - resolved[MET] / area),
         seconds=time.perf_counter() - start,
         notes=(*_left_over(facets), *missed),
-        measures=found.measures(facets),
+        measures=tuple(values[of.name] for of in measures),
     )
     return measured, facets
 
@@ -146,8 +161,9 @@ def trace_paths(
     Parameters and errors as for `gemrender.trace_paths`.
     """
     convex, wanted = stone if isinstance(stone, BeamStone) else beam_stone(stone), check_bound(bound)
-    tally = Tally(view, model)
-    facets = trace_facets(convex, view=view, model=model, least=_LEAST if follow == "all" else 0.0)
+    of_all = follow == "all"
+    tally = Tally(view, model, [measure_named("iso"), measure_named("aset")] if of_all else ())
+    facets = trace_facets(convex, view=view, model=model, least=_LEAST if of_all else 0.0)
     near = NearGirdle(convex, facets, seed, tally)
     _settle(tally, _sums(tally, facets), near, wanted, None, None)
     return Paths.joined([facets.paths.rows(facets.status != FacetStatus.GIRDLE), *near.paths()])
@@ -199,10 +215,12 @@ class _Found:
         steering = [errors for errors, of in zip(self._errors, tally.measures, strict=True) if of.unit == "%"]
         self.scatter = float(max([scatter, *(np.nanmax(errors, initial=0.0) for errors in steering)]))
 
-    def measures(self, facets: VirtualFacets) -> tuple[MeasureValues, ...]:
-        """Return what each measure says."""
+    def measures(self, facets: VirtualFacets, images: np.ndarray) -> tuple[MeasureValues, ...]:
+        """Return what each measure says, of virtual facets with so many images (n,) each."""
+        if not self._tally.measures:
+            return ()
         counted = np.flatnonzero(facets.is_counted | (facets.paths.partial_reflections > 0))
-        paths = replace(facets.paths.rows(counted), images=facets.images()[counted])
+        paths = replace(facets.paths.rows(counted), images=images[counted])
         light = self._tally.light(paths)
         return tuple(
             MeasureValues(

@@ -28,7 +28,7 @@ from gemrender.measures.tally import Tally
 from gemrender.observation import RayStatus
 from gemrender.paths import Paths
 
-__all__ = ["CELLS", "RIM", "SETS", "STUDENT_T", "NearGirdle"]
+__all__ = ["CELLS", "RIM", "SETS", "STUDENT_T", "NearGirdle", "by_sets"]
 
 #: Independent sets of rays; Student's t for their mean with 15 degrees of freedom, two-sided, 99.9 %. More
 #: sets have a smaller t, and fewer rays each: for the same rays 16 give the smallest bound.
@@ -74,7 +74,7 @@ class NearGirdle:
     view_area : float
         Area of the traced part of the view [girdle radius^2].
     areas : tuple of float
-        Area of each region; of later light, times its weight [girdle radius^2].
+        Area of each region; of later light (`Cells.area`), times its share of the light [girdle radius^2].
     """
 
     def __init__(
@@ -128,8 +128,7 @@ class NearGirdle:
                         self.stopped = True
                         break
                 start = time.perf_counter()
-                steps = np.arange(done + 1, last + 1)[:, None] * _STEPS
-                total += (last - done) * self._trace(region, (self._shifts[:, k, None] + steps) % 1.0)
+                total += (last - done) * self._trace(region, self._unit(k, done, last))
                 self._seconds[k] += time.perf_counter() - start
                 done = last
                 if progress is not None:
@@ -153,9 +152,12 @@ class NearGirdle:
         self.rays += sets * n
         if sets * n < _THREAD_RAYS:
             return some_sets(slice(None))
-        bounds = np.linspace(0, sets, min(2 * (os.cpu_count() or 1), sets) + 1).astype(int)
-        with ThreadPoolExecutor(os.cpu_count()) as pool:
-            return np.concatenate(list(pool.map(some_sets, map(slice, bounds[:-1], bounds[1:]))))
+        return by_sets(some_sets, sets)
+
+    def _unit(self, k: int, done: int, last: int) -> np.ndarray:
+        """Return the next points of the unit square for a region, (SETS, last - done, 2)."""
+        unit = self._shifts[:, k, None] + np.arange(done + 1, last + 1)[:, None] * _STEPS
+        return np.asarray(unit - np.floor(unit))
 
     def _states(self, sets: int, n: int) -> np.ndarray:
         """Return states of random numbers, (sets, n) uint64; (sets, 0) for principal light."""
@@ -176,8 +178,7 @@ class NearGirdle:
             n = self._done[k]
             if n == 0:
                 continue
-            unit = (self._shifts[:, k, None] + np.arange(1, n + 1)[:, None] * _STEPS) % 1.0
-            paths = self._paths(region, unit, self._states(SETS, n))
+            paths = self._paths(region, self._unit(k, 0, n), self._states(SETS, n))
             assert paths.set_number is not None
             share = np.full(SETS, 1.0 / SETS)
             if k == RIM:  # as `found` has it
@@ -195,6 +196,13 @@ class NearGirdle:
         met = self.sums[:, RIM, MET]
         factor[:, RIM, 0] = self.areas[RIM] / np.where(met > 0, met, 1.0)
         return np.asarray((self.sums * factor).sum(axis=1))
+
+
+def by_sets(work: Callable[[slice], np.ndarray], sets: int) -> np.ndarray:
+    """Let threads do what is to be done for each set, some sets at a time; join what they return."""
+    bounds = np.linspace(0, sets, min(2 * (os.cpu_count() or 1), sets) + 1).astype(int)
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return np.concatenate(list(pool.map(work, map(slice, bounds[:-1], bounds[1:]))))
 
 
 class _Region(Protocol):

@@ -419,7 +419,7 @@ def ray_paths(
         The set that each belongs to, and its later exit too.
     """
     numbers, facts = rays.numbers, rays.facts
-    exits, has_all = facts[STATUS] == RayStatus.EXITED, len(rays.random) > 0
+    exits, has_all = facts[STATUS] == _EXITED, len(rays.random) > 0
     if has_all:
         area = np.concatenate([area, area]) * numbers[FACTOR]
         set_number = None if set_number is None else np.concatenate([set_number, set_number])

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from gemrender.cli.groups import command
 from gemrender.cli.options import (
+    VIEW,
     EngineOptions,
     MaterialOptions,
     MeasureOptions,
@@ -21,6 +22,9 @@ from gemrender.cli.options import (
 )
 from gemrender.cli.output import print_csv, print_records, progress_bar, say
 from gemrender.cli.stones import StoneOptions, load
+from gemrender.cli.values import choice_option, number_option
+from gemrender.errors import InputError
+from gemrender.stereo import EYE_DISTANCE, EYE_SEPARATION
 
 if TYPE_CHECKING:
     from gemrender.cli.stones import LoadedStones
@@ -42,6 +46,36 @@ def score(
     view: ViewOptions,
     measured: MeasureOptions,
     table: TableOptions,
+    observer: Annotated[
+        str,
+        choice_option(
+            "--observer",
+            ("mono", "stereo"),
+            "A viewer of one eye, or of two: each eye's score, and what of the view they see differently.",
+            metavar="EYES",
+            rich_help_panel=VIEW,
+        ),
+    ] = "mono",
+    eye_separation: Annotated[
+        float,
+        number_option(
+            "--eye-separation",
+            "millimetres",
+            "How far apart two eyes are, 0 to 200.",
+            metavar="MM",
+            rich_help_panel=VIEW,
+        ),
+    ] = EYE_SEPARATION,
+    eye_distance: Annotated[
+        float,
+        number_option(
+            "--eye-distance",
+            "millimetres",
+            "How far two eyes are from the stone, 50 to 10000.",
+            metavar="MM",
+            rich_help_panel=VIEW,
+        ),
+    ] = EYE_DISTANCE,
     out: Annotated[str | None, output_option("Where to write each stone's maps, as EXR and PNG.")] = None,
 ) -> None:
     """Score stones: Average, Rear and the bands of the top view, and further measures."""
@@ -52,6 +86,12 @@ def score(
     loaded = load(given.stones, options, given.settings, of.material)
     prepare_engine(options, loaded.samples, out)
     started = time.monotonic()
+    if observer == "stereo":
+        if out is not None:
+            raise InputError("is not for two eyes: maps are what one sees", key="--out", value=out)
+        eyes = {"eye_separation": eye_separation, "eye_distance": eye_distance}
+        _print_stereo(loaded, {**options, **measures, **eyes}, form)
+        return
     scored = _scores(loaded, options, measures, out)
     if form == "csv":  # line by line: what is done is not lost when the rest is interrupted
         print_csv(score_record(s, loaded.setting(i)) for i, s in enumerate(scored))
@@ -69,6 +109,31 @@ def score(
         say(f"{len(loaded)} stones in {time.monotonic() - started:.1f} s")
     if out is not None:
         say(f"maps written to {out}")
+
+
+def _print_stereo(loaded: LoadedStones, options: dict[str, Any], form: str) -> None:
+    """Score the stones as two eyes see them, and print what they see."""
+    from gemrender.report.tables import score_tables, stereo_record, stereo_table
+    from gemrender.stereo import score_stereo
+
+    found = []
+    with progress_bar(len(loaded)) as step:
+        for i, stone in enumerate(loaded.stones):
+            found.append(score_stereo(stone, **{"progress": step(i, stone.name), **options}))
+    print_records(
+        form,
+        tables=lambda: [
+            *score_tables([each.middle for each in found], loaded.settings, loaded.notes),
+            stereo_table(found),
+        ],
+        values=lambda: [
+            each.to_dict() | ({"settings": s} if (s := loaded.setting(i)) else {})
+            for i, each in enumerate(found)
+        ],
+        records=lambda: [stereo_record(each, loaded.setting(i)) for i, each in enumerate(found)],
+    )
+    if form in ("csv", "json"):
+        loaded.tell()
 
 
 def _scores(

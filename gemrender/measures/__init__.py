@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from gemrender.measures.evaluate import Evaluation, contributions, evaluate
+from gemrender.measures.evaluate import contributions, evaluate
 from gemrender.measures.measure import HEAD_DEG, Light, Measure
 from gemrender.measures.registry import chosen_measures, measure_named, measures
 
 __all__ = [
     "HEAD_DEG",
-    "Evaluation",
     "Light",
     "Measure",
     "chosen_measures",

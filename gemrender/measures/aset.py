@@ -31,8 +31,8 @@ class Aset(Measure):
     name, version = "aset", 1
     definition = (
         "shares by the elevation of the exit above the viewer's horizon: [0, 45) deg green, [45, 75) red, "
-        "[75, 90] blue, below leak. Of the principal light by area, with what is trapped 100; of all light "
-        "(weighted_...) by w (1 - R), with the reflection of the surface and the rest inside 100. "
+        "[75, 90] blue, below leak. Of the principal light by area, with what is trapped or lost 100; of all "
+        "light (weighted_...) by w (1 - R), with the reflection of the surface and the rest inside 100. "
         "What is within 1e-7 of a limit (cosine) is in the lower zone, and `tied`"
     )
     source = "AGS, US patent 7,382,445 (expired)"

@@ -30,8 +30,8 @@ class VirtualFacetSizes(Measure):
     name, version = "facets", 1
     definition = (
         "virtual facets, areas of the view whose principal light meets the same facets: their number, the "
-        "largest and the median [% of the view], and half, the number of the largest that make half of the "
-        "area; number, share [%] and half of those of each zone of `aset`, too"
+        "largest and the median [% of their area], and half, the number of the largest that make half of "
+        "it; number, share [%] and half of those of each zone of `aset`, too"
     )
     source = "virtual facets: Sasian, Quick, Sheffield, Caudill & Yantzer, Opt. Eng. 46, 093604 (2007)"
     keys = ()

@@ -37,10 +37,11 @@ class GemRay(SkyMeasure):
         """Return what counts by GemRay's rules, (n, 6): together, inside, surface, tied, table, its share."""
         paths = light.paths
         is_counted = (paths.reflections < MOST_HITS) & (light.arriving >= LEAST_WEIGHT)
-        internal, surface, tied = sky_light(light, self.sky)
-        internal = np.where(is_counted, internal, 0.0)
+        internal, surface, tied, tied_surface = sky_light(light, self.sky)
+        internal, tied = is_counted * internal, is_counted * tied + tied_surface
         together = internal + surface
-        is_table = (paths.stone.facet_normals[:, 2] > TABLE_RISE)[paths.entry_facet]
+        # A round girdle has no normal of its own; it is the last facet, and no table.
+        is_table = np.append(paths.stone.facet_normals[:, 2] > TABLE_RISE, False)[paths.entry_facet]
         table = np.where(is_table, together, 0.0)
         return in_columns(together, internal, surface, tied, table, is_table & light.is_principal)
 

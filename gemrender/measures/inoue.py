@@ -30,6 +30,8 @@ __all__ = [
 #: first, and all that met the stone.
 INTENSITY, REAR, TRAPPED, LOST, BANDS, MET, N_SUMS = 0, 1, 2, 3, 4, 10, 11
 
+# Whole numbers: numpy takes long to find out that an enumeration's member is one.
+_MISSED, _EXITED, _TRAPPED, _LOST = map(int, RayStatus)
 #: Lower edges of the bands of intensity but the last, brightest first, as shares of the light.
 BAND_EDGES = (0.75, 0.60, 0.45, 0.30, 0.15)
 
@@ -43,7 +45,7 @@ def rear_mask(paths: Paths, model: Model) -> np.ndarray:
         rear = is_pavilion[paths.exit_facet]
     else:
         rear = paths.exit_direction[:, 2].real <= 0.0
-    return np.asarray(rear & (paths.status == RayStatus.EXITED))
+    return np.asarray(rear & (paths.status == _EXITED))
 
 
 def path_intensity(cos_entry: np.ndarray, cos_exit: np.ndarray, model: Model) -> np.ndarray:
@@ -75,7 +77,7 @@ def primary_intensity(paths: Paths, model: Model, rear: np.ndarray) -> np.ndarra
 
     It is 0 for rear light (n,) bool, without an exit, and of light that has been reflected in part.
     """
-    lit = np.flatnonzero((paths.status == RayStatus.EXITED) & ~rear & (paths.partial_reflections == 0))
+    lit = np.flatnonzero((paths.status == _EXITED) & ~rear & (paths.partial_reflections == 0))
     out = np.zeros(len(paths), dtype=paths.cos_exit.dtype)
     out[lit] = path_intensity(paths.cos_entry[lit], paths.cos_exit[lit], model)
     return out
@@ -107,7 +109,7 @@ def sum_up(
     sets = np.zeros(len(paths), dtype=np.int64) if paths.set_number is None else paths.set_number
     out[:, INTENSITY] = np.bincount(sets, paths.area * intensity, n_sets)
     column = _columns(paths, rear, intensity)
-    met = np.flatnonzero((paths.status != RayStatus.MISSED) & (paths.partial_reflections == 0))
+    met = np.flatnonzero((paths.status != _MISSED) & (paths.partial_reflections == 0))
     by_column = np.bincount(sets[met] * N_SUMS + column[met], paths.area[met], n_sets * N_SUMS)
     out += by_column.reshape(n_sets, N_SUMS)
     out[:, MET] = np.bincount(sets[met], paths.area[met], n_sets)
@@ -118,8 +120,8 @@ def _columns(paths: Paths, rear: np.ndarray, intensity: np.ndarray) -> np.ndarra
     """Return the sum that the area of each path belongs to, (n,): REAR, TRAPPED, LOST or a band's."""
     column = BANDS + np.searchsorted(-np.array(BAND_EDGES), -intensity, side="left")
     column[rear] = REAR
-    column[paths.status == RayStatus.TRAPPED] = TRAPPED
-    column[paths.status == RayStatus.LOST] = LOST
+    column[paths.status == _TRAPPED] = TRAPPED
+    column[paths.status == _LOST] = LOST
     return np.asarray(column)
 
 

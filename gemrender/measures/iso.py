@@ -22,7 +22,7 @@ HEAD_WORDS = (
 )
 
 
-def sky_light(light: Light, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def sky_light(light: Light, name: str) -> tuple[np.ndarray, ...]:
     """Return what each path brings from the open sky, between the horizon and the viewer's head.
 
     Parameters
@@ -34,19 +34,20 @@ def sky_light(light: Light, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarr
 
     Returns
     -------
-    three (n,) float64
-        Brightness times the share that comes from inside; that the surface mirrors; and that comes from a
-        limit of the sky within rounding.
+    four (n,) float64
+        Brightness times the share that comes from inside; that the surface mirrors; and both of a limit of
+        the sky within rounding.
     """
 
-    def work() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def work() -> tuple[np.ndarray, ...]:
         sky, _ = SKIES[name]
         from_inside, mirrored = sky(light.zenith_cosine), sky(light.mirror_cosine)
         tied, mirrored_ties = light.sky_ties
         return (
             light.sky_share * from_inside,
             light.mirrored_sky * mirrored,
-            tied * from_inside + mirrored_ties * mirrored,
+            tied * from_inside,
+            mirrored_ties * mirrored,
         )
 
     return light.once(f"sky {name}", work)
@@ -69,8 +70,8 @@ class SkyMeasure(Measure):
 
     def contributions(self, light: Light) -> np.ndarray:
         """Return the light from inside and from the surface, (n, 4): together, each, and tied."""
-        internal, surface, tied = sky_light(light, self.sky)
-        return in_columns(internal + surface, internal, surface, tied)
+        internal, surface, tied, tied_surface = sky_light(light, self.sky)
+        return in_columns(internal + surface, internal, surface, tied + tied_surface)
 
 
 class Iso(SkyMeasure):

@@ -49,12 +49,16 @@ class Light:
         From where and by which model they were traced.
     head_deg : float
         Half the angle at which the viewer's head is seen from the stone [deg].
+    zenith : (3,) float64, optional
+        The viewer's zenith, the middle of the head; by default the direction to the eye. Of a pair of eyes it
+        lies between them.
     """
 
     paths: Paths
     view: View
     model: Model
     head_deg: float = HEAD_DEG
+    zenith: np.ndarray | None = None
     _found: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
 
     def once(self, key: str, work: Callable[[], T]) -> T:
@@ -103,8 +107,9 @@ class Light:
 
     @cached_property
     def zenith_cosine(self) -> np.ndarray:
-        """(n,) cosine of the exit direction with the viewer's zenith: the direction to the eye; -1 to 1."""
-        return np.asarray(self.paths.exit_direction.real @ self.view.basis()[2])
+        """(n,) cosine of the exit direction with the viewer's zenith; -1 to 1."""
+        zenith = self.view.basis()[2] if self.zenith is None else self.zenith
+        return np.asarray(self.paths.exit_direction.real @ zenith)
 
     @cached_property
     def entering(self) -> np.ndarray:
@@ -156,8 +161,17 @@ class Light:
 
     @cached_property
     def mirror_cosine(self) -> np.ndarray:
-        """(n,) cosine with the viewer's zenith of what the facet of entry mirrors to the eye: 2 cos^2 - 1."""
-        return np.asarray(2.0 * self.paths.cos_entry.real**2 - 1.0)
+        """(n,) cosine with the viewer's zenith of the direction that the facet of entry mirrors to the eye.
+
+        With the zenith at the eye that is 2 cos^2 - 1.
+        """
+        cos = self.paths.cos_entry.real
+        if self.zenith is None:
+            return np.asarray(2.0 * cos**2 - 1.0)
+        assert self.paths.entry_normal is not None, "all light has normals"
+        return np.asarray(
+            2.0 * cos * (self.paths.entry_normal.real @ self.zenith) - self.view.basis()[2] @ self.zenith
+        )
 
 
 def is_above(cosine: np.ndarray, limit: float) -> np.ndarray:

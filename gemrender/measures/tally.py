@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from gemrender.measures import inoue
-from gemrender.measures.evaluate import contributions, light_of
+from gemrender.measures.evaluate import area_sums, contributions, light_of
 from gemrender.measures.measure import HEAD_DEG, Light, Measure
 from gemrender.observation import Model, RayStatus, View
 from gemrender.paths import Paths
@@ -30,6 +30,8 @@ class Tally:
         The measures, besides Inoue's.
     head_deg : float
         Half the angle at which the viewer's head is seen from the stone [deg].
+    zenith : (3,) float64, optional
+        The viewer's zenith (`Light`).
 
     Attributes
     ----------
@@ -43,11 +45,17 @@ class Tally:
     """
 
     def __init__(
-        self, view: View, model: Model, measures: Sequence[Measure] = (), head_deg: float = HEAD_DEG
+        self,
+        view: View,
+        model: Model,
+        measures: Sequence[Measure] = (),
+        head_deg: float = HEAD_DEG,
+        zenith: np.ndarray | None = None,
     ) -> None:
-        self.view, self.model, self.measures, self.head_deg = view, model, tuple(measures), head_deg
+        self.view, self.model, self.measures = view, model, tuple(measures)
+        self.head_deg, self.zenith = head_deg, zenith
         self.follows_all = any(measure.follow == "all" for measure in measures)
-        self.is_axial = all(measure.is_axial for measure in measures)
+        self.is_axial = zenith is None and all(measure.is_axial for measure in measures)
         numbers = [len(measure.channels or measure.keys) for measure in measures]
         ends = REST + 1 + np.cumsum(numbers, dtype=np.int64)
         self._columns = [slice(end - n, end) for end, n in zip(ends, numbers, strict=True)]
@@ -76,7 +84,9 @@ class Tally:
 
     def light(self, paths: Paths) -> Light:
         """Return paths as measures take them."""
-        return Light(paths=paths, view=self.view, model=self.model, head_deg=self.head_deg)
+        return Light(
+            paths=paths, view=self.view, model=self.model, head_deg=self.head_deg, zenith=self.zenith
+        )
 
     def values(self, sums: np.ndarray) -> list[np.ndarray]:
         """Return the values of each measure, (..., len(keys)), from sums (..., n_sums)."""
@@ -89,10 +99,9 @@ class Tally:
 
 def _sums(paths: Paths, added: np.ndarray, n_sets: int) -> np.ndarray:
     """Sum up what each path adds per unit of its area, (n, k); (n_sets, k)."""
+    if paths.set_number is None:
+        return np.broadcast_to(area_sums(paths, added), (n_sets, added.shape[1]))
     out = np.empty((n_sets, added.shape[1]))
     for k, column in enumerate(added.T):
-        if paths.set_number is None:  # by einsum: BLAS would start threads for each
-            out[:, k] = np.einsum("i,i->", paths.area, column)
-        else:
-            out[:, k] = np.bincount(paths.set_number, paths.area * column, n_sets)
+        out[:, k] = np.bincount(paths.set_number, paths.area * column, n_sets)
     return out

@@ -5,6 +5,7 @@ Name                      Kind        What it is
 ========================  ==========  ===================================================
 ``gem_orthographic``      sensor      parallel rays for the top view of a stone
 ``gem_hemisphere``        emitter     uniform light from above the horizon
+``gem_zones``             emitter     light by zones of elevation above a viewer's horizon
 ``gem_primary``           integrator  follows principal rays, or all light from them
 ``gem_dielectric``        bsdf        smooth surface of a gem, with dispersion
 ``gem_path``              integrator  radiance of scenes with stones, for pictures
@@ -26,7 +27,7 @@ import mitsuba as mi
 
 __all__ = ["register"]
 
-_MODULES = ("orthographic", "hemisphere", "primary", "dielectric", "path")
+_MODULES = ("orthographic", "hemisphere", "zones", "primary", "dielectric", "path")
 
 # The variant that the classes in the modules belong to now.
 _defined_for: str | None = None

@@ -60,27 +60,36 @@ class HemisphereEmitter(mi.Emitter):
 
     """  # noqa: D400 (opens with a label, as Mitsuba's manual does)
 
+    #: Why there is no `to_world`.
+    _FIXED = "not allowed here, the light always comes from z > 0"
+    #: Solid angle that directions are drawn from [sr].
+    _solid_angle: float | mi.Float = 2 * math.pi
+
     def __init__(self, props: mi.Properties) -> None:
         super().__init__(props)
         self.m_flags = +mi.EmitterFlags.Infinite
         if "to_world" in props:  # the base class takes it from every emitter, and would ignore it
-            raise InputError("not allowed here, the light always comes from z > 0", key="to_world")
-
-        radiance = props.get("radiance", 1.0)
-        if isinstance(radiance, int | float):
-            if isinstance(radiance, bool) or not 0 <= radiance < math.inf:
-                raise InputError("must be a finite number of at least 0", key="radiance", value=radiance)
-            # Read as a reflectance, a number becomes a flat spectrum; read as an emission it becomes D65.
-            self.radiance = props.get_texture("radiance", 1.0)
-        else:
-            self.radiance = props.get_emissive_texture("radiance")
-        if self.radiance.is_spatially_varying():
-            raise InputError("must be the same in all directions, not a varying texture", key="radiance")
+            raise InputError(self._FIXED, key="to_world")
+        self._read(props)
 
         radius = props.get("radius", 100.0)
         if isinstance(radius, bool) or not isinstance(radius, int | float) or not 0 < radius < math.inf:
             raise InputError("must be a finite number above 0", key="radius", value=radius)
         self.radius = dr.opaque(mi.Float, radius)
+
+    # ---- What an environment of another kind overrides ----
+
+    def _read(self, props: mi.Properties) -> None:
+        """Read what is emitted."""
+        self.radiance = emitted(props, "radiance")
+
+    def _draw(self, sample: mi.Point2f) -> mi.Vector3f:
+        """Return a direction to the light, uniformly over `_solid_angle`."""
+        return mi.warp.square_to_uniform_hemisphere(sample)
+
+    def _density(self, d: mi.Vector3f) -> mi.Float:
+        """Return the density of `_draw` [1/sr]."""
+        return dr.select(d.z > 0, mi.Float(dr.inv_two_pi), 0)
 
     def _incident(self, it: mi.Interaction3f, d: mi.Vector3f, active: mi.Bool) -> mi.Spectrum:
         """Return the radiance that arrives at `it` from the direction `d`."""
@@ -95,8 +104,8 @@ class HemisphereEmitter(mi.Emitter):
     def sample_direction(
         self, it: mi.Interaction3f, sample: mi.Point2f, active: mi.Bool = True
     ) -> tuple[mi.DirectionSample3f, mi.Spectrum]:
-        """Choose a direction from `it` to the emitter, uniformly over the upper hemisphere."""
-        d = mi.warp.square_to_uniform_hemisphere(sample)
+        """Choose a direction from `it` to the emitter."""
+        d = self._draw(sample)
         distance = 2 * dr.maximum(self.radius, dr.norm(it.p))
 
         ds = dr.zeros(mi.DirectionSample3f)
@@ -109,7 +118,7 @@ class HemisphereEmitter(mi.Emitter):
         ds.delta = False
         ds.emitter = mi.EmitterPtr(self)
         ds.pdf = self.pdf_direction(it, ds, active)
-        # The rim of the hemisphere, z = 0, has no light and no density.
+        # The rim, as z = 0 of the hemisphere, has no light and no density.
         weight = (self._incident(it, d, active) / ds.pdf) & (ds.pdf > 0)
         return ds, weight
 
@@ -117,7 +126,7 @@ class HemisphereEmitter(mi.Emitter):
         self, it: mi.Interaction3f, ds: mi.DirectionSample3f, active: mi.Bool = True
     ) -> mi.Float:
         """Return the density of `sample_direction` [1/sr]."""
-        return dr.select(ds.d.z > 0, mi.Float(dr.inv_two_pi), 0)
+        return self._density(ds.d)
 
     def eval_direction(
         self, it: mi.Interaction3f, ds: mi.DirectionSample3f, active: mi.Bool = True
@@ -135,15 +144,16 @@ class HemisphereEmitter(mi.Emitter):
     ) -> tuple[mi.Ray3f, mi.Spectrum]:
         """Return a ray from the emitter into the scene, and its weight."""
         # A uniform direction, and across it a uniform point of the disc that faces the scene's sphere.
-        d = -mi.warp.square_to_uniform_hemisphere(sample3)
+        d = -self._draw(sample3)
         disc = mi.warp.square_to_uniform_disk_concentric(sample2)
         offset = mi.Frame3f(d).to_world(mi.Vector3f(disc.x, disc.y, 0))
         origin = mi.Point3f(self.radius * (offset - d))
 
         interaction = dr.zeros(mi.SurfaceInteraction3f)
+        interaction.wi = d
         wavelengths, weight = self.sample_wavelengths(interaction, sample1, active)
-        weight *= dr.two_pi * dr.pi * dr.square(self.radius)
-        return mi.Ray3f(origin, d, time, wavelengths), weight & (d.z < 0)
+        weight *= self._solid_angle * dr.pi * dr.square(self.radius)
+        return mi.Ray3f(origin, d, time, wavelengths), weight & (self._density(-d) > 0)
 
     def sample_wavelengths(
         self, si: mi.SurfaceInteraction3f, sample: mi.Float, active: mi.Bool = True
@@ -179,6 +189,21 @@ class HemisphereEmitter(mi.Emitter):
         """Describe the emitter in Mitsuba's manner."""
         radiance = str(self.radiance).replace("\n", "\n  ")
         return f"HemisphereEmitter[\n  radiance = {radiance},\n  radius = {self.radius[0]:g}\n]"
+
+
+def emitted(props: mi.Properties, key: str) -> mi.Texture:
+    """Read a radiance: a number, which is a flat spectrum, or an emission."""
+    radiance = props.get(key, 1.0)
+    if isinstance(radiance, int | float):
+        if isinstance(radiance, bool) or not 0 <= radiance < math.inf:
+            raise InputError("must be a finite number of at least 0", key=key, value=radiance)
+        # Read as a reflectance, a number becomes a flat spectrum; read as an emission it becomes D65.
+        texture = props.get_texture(key, 1.0)
+    else:
+        texture = props.get_emissive_texture(key)
+    if texture.is_spatially_varying():
+        raise InputError("must be the same in all directions, not a varying texture", key=key)
+    return texture
 
 
 mi.register_emitter("gem_hemisphere", HemisphereEmitter)

@@ -247,7 +247,7 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         return (
             f"PrimaryIntegrator[\n  int_ior = {self.int_ior[0]:g},\n  ext_ior = {self.ext_ior[0]:g},\n"
             f"  fresnel = {self.fresnel},\n  rear = {self.rear},\n  intensity = {self.intensity},\n"
-            f"  max_reflections = {self.max_reflections[0]}\n]"
+            f"  max_reflections = {self.max_reflections[0]},\n  follow = {self.follow}\n]"
         )
 
     @dr.syntax
@@ -326,12 +326,12 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         weight = reflectance(cos_air, cos_stone, eta)
         probability = mi.Float64(1)
         partial = mi.UInt32(1)
-        reflections = path.reflections + 1
         d = (path.way.d - cos_air * n) / eta - cos_stone * n
         way = set_out(path.way.p, dr.normalize(d), path.way.on_wall)
         status = dr.select(inside, mi.UInt32(int(RayStatus.TRAPPED)), mi.UInt32(int(RayStatus.MISSED)))
         any_later = mi.Bool(inside)
-        inside &= reflections <= self.max_reflections
+        inside &= path.reflections < self.max_reflections
+        reflections = dr.select(inside, path.reflections + 1, path.reflections)
         facet = mi.Float(-1)
         cos_out = mi.Float64(0)  # of the angle in air, where it leaves
 
@@ -355,10 +355,11 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
             reflects = met.found & ~exits
             weight *= dr.select(reflects, back, 1)
             partial[parts & ~exits] += 1
-            reflections[reflects] += 1
             refracted = eta * (d - cos_i * n) + cos_t * n
             d = dr.select(exits, refracted, dr.select(reflects, d - 2 * cos_i * n, d))
-            inside = (reflects & (reflections <= self.max_reflections)) | met.again
+            reflects &= reflections < self.max_reflections
+            reflections[reflects] += 1
+            inside = reflects | met.again
             way = turn(way, met, d)
 
         exited = status == int(RayStatus.EXITED)

@@ -70,6 +70,8 @@ def _denoised(oidn: Any, xyz: np.ndarray, albedo: np.ndarray, normal: np.ndarray
 
 def exposure_of(picture: Picture, setup: Setup, *, ev: float = 0.0) -> float:
     """Return the automatic exposure of a picture, with the set-up's and the user's correction [stops]."""
+    if setup.expose_for == "light":
+        return float(2.0 ** (ev + setup.exposure))
     covered = picture.coverage > 0.99
     on_stones = covered & (picture.albedo.min(axis=2) > 0.99)
     on_ground = covered & (picture.albedo.max(axis=2) < 0.99)

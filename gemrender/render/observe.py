@@ -53,7 +53,7 @@ def observe(
     model = model or Model.of(stone)
     ensure_variant(variant)
     start = time.perf_counter()
-    rows = rows_of_pass(view)
+    rows = rows_of_pass(view, PASS_RAYS)
     scene: Any = load_scene(stone_scene(stone, view, model, rows=rows))
     eye = scene.sensors()[0]
     maps: dict[str, Any] = {
@@ -90,7 +90,7 @@ def sensor_rays(view: View, *, variant: str) -> tuple[np.ndarray, np.ndarray]:
     """
     ensure_variant(variant)
     origin, direction = np.empty((*view.shape, 3)), np.empty((*view.shape, 3))
-    rows = rows_of_pass(view)
+    rows = rows_of_pass(view, PASS_RAYS)
     eye: Any = load_scene(sensor(view, rows=rows))
     for first, kept in view_passes(eye, view, rows):
         ray = film_rays(eye)
@@ -132,7 +132,7 @@ def film_rays(sensor: Any, sampler: Any = None) -> Any:
     return ray
 
 
-def rows_of_pass(view: View, most: int = PASS_RAYS) -> int:
+def rows_of_pass(view: View, most: int) -> int:
     """Rows of each pass over the view, of at most about so many rays; the last may reach beyond it."""
     n_passes = -(-(view.resolution**2) // most)
     return -(-view.resolution // n_passes)

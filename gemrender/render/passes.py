@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from gemrender.colorimetry import VISIBLE_NM
 from gemrender.render.noise import relative_error
 from gemrender.scene.loading import load_scene
 
 __all__ = ["FIRST_NM", "LAST_NM", "Passes", "check_range"]
 
-#: Visible light, which pictures are made of [nm].
-FIRST_NM, LAST_NM = 380.0, 760.0
+#: Wavelengths that pictures are made of [nm].
+FIRST_NM, LAST_NM = VISIBLE_NM
 #: Samples of a pass: enough to keep all cores busy, few enough that a pass stays below half a GiB.
 PASS_SAMPLES = 1 << 21
 #: Pixels of a tile at most, so that a pass spreads several samples over each.

@@ -12,6 +12,7 @@ from gemrender.crosscheck import CrossCheck
 from gemrender.observation import bound_text
 from gemrender.report.formats import Cell, Column, TextTable
 from gemrender.scoring import Band, Score
+from gemrender.stereo import StereoScore
 
 #: Smallest share that is told of what should be nothing at all [%].
 LEAST_SHOWN = 1e-6
@@ -28,6 +29,8 @@ __all__ = [
     "score_table",
     "score_tables",
     "score_values",
+    "stereo_record",
+    "stereo_table",
 ]
 
 
@@ -136,6 +139,50 @@ def measures_table(scores: Sequence[Score]) -> TextTable:
             table.rows.append(["", "bound", *cells])
     table.note("Definitions and sources: gemrender measures.")
     return table
+
+
+def stereo_table(found: Sequence[StereoScore]) -> TextTable:
+    """Return a row a stone: what each eye sees, and the share of the view on which they disagree [%]."""
+    measures = [of.name for of in found[0].left.measures or () if "value" in of.values]
+    eyes = ("left", "right")
+    table = TextTable([
+        Column("Stone", is_text=True),
+        *(Column(f"{name}, {eye}") for name in ("Average", "Rear", *measures) for eye in eyes),
+        Column("Disagree", style="bold"),
+        Column("Bound"),
+    ])  # fmt: skip
+    for each in found:
+        by_eye = [each.left, each.right]
+        values = [[score.average for score in by_eye], [score.rear for score in by_eye]]
+        for name in measures:
+            values.append([of.values["value"] for s in by_eye for of in s.measures or () if of.name == name])
+        table.rows.append([
+            each.middle.name,
+            *(f"{value:.2f}" for pair in values for value in pair),
+            f"{each.disagreement:.2f}",
+            f"±{bound_text(each.bound)}",
+        ])  # fmt: skip
+    first = found[0]
+    table.note(
+        f"Eyes {first.eye_separation:g} mm apart, {first.eye_distance:g} mm from the stone; above, the score "
+        "from between them."
+    )
+    table.note(
+        "Disagree: share of the view that the eyes see lit from different zones of aset, or one the head."
+    )
+    return table
+
+
+def stereo_record(found: StereoScore, settings: dict[str, Any] | None = None) -> dict[str, Any]:
+    """Return what two eyes see as one flat record: the score from between them, and each eye's after it."""
+    stereo = found.to_dict()["stereo"]
+    out = score_record(found.middle, settings)
+    for eye, score in (("left", found.left), ("right", found.right)):
+        del stereo[eye]
+        same = ("name", "engine", "index", "rear_rule", "variant", "resolution", "fresnel", "intensity")
+        record = {key: value for key, value in score_record(score).items() if key not in same}
+        out |= {f"{eye}_{key}": value for key, value in record.items()}
+    return out | {f"stereo_{key}" if key == "bound" else key: value for key, value in stereo.items()}
 
 
 def _measured(value: Any, bound: float | None) -> str:

@@ -9,25 +9,18 @@ from typing import Any
 
 import numpy as np
 
-from gemrender.colorimetry import (
-    adapt,
-    illuminant_spectrum,
-    white_xyz,
-    xyz_to_linear_srgb,
-)
 from gemrender.errors import InputError
 from gemrender.optics import Material
+from gemrender.scene.lighting import lights, reflectance, sky
 from gemrender.scene.mesh import placed_mesh, sweep_mesh, tube_mesh
 from gemrender.scene.placing import Placed, frame, place, towards
-from gemrender.scene.setup import Light, Setup
+from gemrender.scene.setup import Setup
 from gemrender.stone import Stone
 
 __all__ = ["MOST_PIXELS", "Gem", "PhotorealScene", "photoreal_scene"]
 
 #: Longest side of a picture [pixels].
 MOST_PIXELS = 16384
-#: Where spectra are written down [nm]: Mitsuba's range, in the steps of CIE's tables.
-_SPECTRUM_NM = np.arange(360.0, 831.0, 5.0)
 #: Half a width of grounds [girdle radius]: their edge is out of sight.
 _WIDE = 60.0
 #: How much wider than its stone a cup is.
@@ -164,11 +157,11 @@ def photoreal_scene(
     }
     if stock:
         scene["integrator"]["rr_depth"] = 32
-    scene |= _lights(setup, target, stock)
-    scene |= _sky(setup, stock)
+    scene |= lights(setup, target, stock)
+    scene |= sky(setup, target, stock)
     stones = tuple(p.turned(turn_deg) if turn_deg else p for p in placed)
     built: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {}
-    paper = {"type": "diffuse", "reflectance": _reflectance(setup.ground.reflectance, stock)}
+    paper = {"type": "diffuse", "reflectance": reflectance(setup.ground.reflectance, stock)}
     if setup.ground.type == "plane":
         scene["ground"] = {"type": "disk", "to_world": _scaled(_WIDE), "bsdf": paper}
     elif setup.ground.type == "sweep":
@@ -277,98 +270,6 @@ def _sensor(
     if camera.type == "thin-lens":
         sensor |= {"aperture_radius": camera.aperture, "focus_distance": camera.distance - camera.focus}
     return sensor
-
-
-def _lights(setup: Setup, target: np.ndarray, stock: bool) -> dict[str, Any]:
-    import mitsuba as mi
-
-    out: dict[str, Any] = {}
-    # Their surface is black: what is seen of a light is its radiance, not light of others that it reflects.
-    # Without a radiance it is a black screen; Mitsuba takes no emitter that emits nothing.
-    black = {"type": "diffuse", "reflectance": _reflectance(0.0, stock)}
-    for number, light in enumerate(setup.lights, start=1):
-        surface: dict[str, Any] = {"bsdf": black}
-        if light.radiance > 0:
-            radiance = _emission(light.radiance, light.spectrum, setup, stock)
-            surface["emitter"] = {"type": "area", "radiance": radiance}
-        place = target + light.distance * towards(light.elevation, light.azimuth)
-        if light.shape == "sphere":
-            out[f"light_{number}"] = {
-                "type": "sphere",
-                "center": place.tolist(),
-                "radius": 0.5 * light.size[0],
-                **surface,
-            }
-            continue
-        to_world = _facing(light, place, target)
-        width, height = light.size
-        if light.shape == "ring":
-            for k in range(light.count):
-                turn = 2 * np.pi * k / light.count
-                at = [0.5 * width * np.cos(turn), 0.5 * width * np.sin(turn), 0.0]
-                diode = mi.ScalarTransform4f().translate(at).scale([0.5 * height, 0.5 * height, 1.0])
-                out[f"light_{number}_{k + 1}"] = {
-                    "type": "disk",
-                    "to_world": to_world @ diode,
-                    **surface,
-                }
-            continue
-        scale = mi.ScalarTransform4f().scale([0.5 * width, 0.5 * height, 1.0])
-        out[f"light_{number}"] = {
-            "type": "rectangle" if light.shape == "rectangle" else "disk",
-            "to_world": to_world @ scale,
-            **surface,
-        }
-    return out
-
-
-def _facing(light: Light, place: np.ndarray, target: np.ndarray) -> Any:
-    """Return the transform of a light that faces the stones."""
-    import mitsuba as mi
-
-    up = [0.0, 0.0, 1.0]
-    if abs(light.elevation) > 89:  # straight above: up is away from the light's azimuth
-        up = (-towards(0.0, light.azimuth)).tolist()
-    return mi.ScalarTransform4f().look_at(place.tolist(), target.tolist(), up)
-
-
-def _sky(setup: Setup, stock: bool) -> dict[str, Any]:
-    sky = setup.sky
-    if sky.radiance == 0:
-        return {}
-    radiance = _emission(sky.radiance, sky.spectrum, setup, stock)
-    if sky.type == "uniform":
-        return {"sky": {"type": "constant", "radiance": radiance}}
-    if not stock:
-        return {"sky": {"type": "gem_hemisphere", "radiance": radiance}}
-    # Black below the horizon: a black floor under the stones, wide enough for any ray
-    import mitsuba as mi
-
-    floor = mi.ScalarTransform4f().translate([0.0, 0.0, -1e-3]).scale([1e4, 1e4, 1.0])
-    black = {"type": "diffuse", "reflectance": _reflectance(0.0, stock)}
-    return {
-        "sky": {"type": "constant", "radiance": radiance},
-        "below": {"type": "disk", "to_world": floor, "bsdf": black},
-    }
-
-
-def _emission(radiance: float, spectrum: str | float, setup: Setup, stock: bool) -> dict[str, Any]:
-    """Return an emission: luminance `radiance` of a light's colour."""
-    if stock:
-        rgb = xyz_to_linear_srgb(adapt(white_xyz(spectrum), white_xyz(setup.white))) * radiance
-        return {"type": "rgb", "value": [float(x) for x in np.maximum(rgb, 0.0)]}
-    values = illuminant_spectrum(spectrum, _SPECTRUM_NM) * radiance
-    return {
-        "type": "regular",
-        "wavelength_min": float(_SPECTRUM_NM[0]),
-        "wavelength_max": float(_SPECTRUM_NM[-1]),
-        # With all digits of single precision: twice the radiance is twice the picture
-        "values": ", ".join(f"{x:.9g}" for x in values),
-    }
-
-
-def _reflectance(value: float, stock: bool) -> dict[str, Any]:
-    return {"type": "rgb", "value": value} if stock else {"type": "uniform", "value": value}
 
 
 def _outline_cup(placed: Placed) -> Callable[..., Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,8 @@ from gemrender.reading import (
     stem,
     text_line,
 )
+from gemrender.scene import setup_checks as check
+from gemrender.scene.zones import Zone, zones_of
 
 __all__ = [
     "CAMERAS",
@@ -33,18 +35,17 @@ __all__ = [
     "Light",
     "Setup",
     "Sky",
+    "Zone",
     "bundled_setups",
     "load_setup",
 ]
 
 CAMERAS = ("perspective", "thin-lens", "orthographic")
 LIGHTS = ("rectangle", "disc", "ring", "sphere")
-SKIES = ("uniform", "hemisphere")
+SKIES = ("uniform", "hemisphere", "zones")
 GROUNDS = ("none", "plane", "sweep", "cup")
-EXPOSURES = ("stones", "ground")
+EXPOSURES = ("stones", "ground", "light")
 POSES = ("table-up", "lying", "table-down")
-#: Radiances that are not 0: single precision holds what is left of the least after many reflections.
-RADIANCE_RANGE = (1e-20, 1e9)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,13 +79,13 @@ class Camera:
 
     def __post_init__(self) -> None:
         with Mistakes() as mistakes:
-            mistakes.of(_one_of, self, "type", CAMERAS)
-            mistakes.of(_within, self, "elevation", -90, 90)
-            mistakes.of(_within, self, "azimuth", -360, 360)
-            mistakes.of(_within, self, "distance", 0.1, 1e4)
-            mistakes.of(_within, self, "margin", 0.05, 100)
-            mistakes.of(_within, self, "aperture", 0, 100)
-            mistakes.of(_within, self, "focus", -1e3, 1e3)
+            mistakes.of(check.one_of, self, "type", CAMERAS)
+            mistakes.of(check.within, self, "elevation", -90, 90)
+            mistakes.of(check.within, self, "azimuth", -360, 360)
+            mistakes.of(check.within, self, "distance", 0.1, 1e4)
+            mistakes.of(check.within, self, "margin", 0.05, 100)
+            mistakes.of(check.within, self, "aperture", 0, 100)
+            mistakes.of(check.within, self, "focus", -1e3, 1e3)
         if self.type == "thin-lens" and self.aperture == 0:
             raise InputError("must be above 0 for a thin lens", key="aperture", value=self.aperture)
         if self.focus >= self.distance:
@@ -124,13 +125,13 @@ class Light:
 
     def __post_init__(self) -> None:
         with Mistakes() as mistakes:
-            mistakes.of(_one_of, self, "shape", LIGHTS)
-            mistakes.of(_within, self, "elevation", -90, 90)
-            mistakes.of(_within, self, "azimuth", -360, 360)
-            mistakes.of(_within, self, "distance", 0.1, 1e4)
-            mistakes.of(_radiance, self)
-            mistakes.of(_spectrum, self)
-            size = mistakes.of(_size, self.size)
+            mistakes.of(check.one_of, self, "shape", LIGHTS)
+            mistakes.of(check.within, self, "elevation", -90, 90)
+            mistakes.of(check.within, self, "azimuth", -360, 360)
+            mistakes.of(check.within, self, "distance", 0.1, 1e4)
+            mistakes.of(check.radiance, self)
+            mistakes.of(check.spectrum, self)
+            size = mistakes.of(check.two_sizes, self.size)
             if isinstance(self.count, bool) or not isinstance(self.count, int) or not 1 <= self.count <= 256:
                 allowed = "must be a whole number from 1 to 256"
                 mistakes.add(InputError(allowed, key="count", value=self.count))
@@ -143,23 +144,40 @@ class Sky:
 
     Attributes
     ----------
-    type : {"uniform", "hemisphere"}
-        The same from everywhere, or from above the horizon only, as in Inoue's paper.
+    type : {"uniform", "hemisphere", "zones"}
+        The same from everywhere; from above the horizon only, as in Inoue's paper; or by zones of elevation
+        above the viewer's horizon, whatever way the camera looks.
     radiance : float
-        Luminance, relative.
+        Luminance, relative; of zones each has its own.
     spectrum : str or float
-        As of a light.
+        As of a light; not of zones.
+    zones : tuple of Zone
+        The zones; in rows of a file tables of their attributes. What no zone covers is black.
     """
 
     type: str = "uniform"
     radiance: float = 0.0
     spectrum: str | float = "d65"
+    zones: tuple[Zone, ...] = ()
 
     def __post_init__(self) -> None:
         with Mistakes() as mistakes:
-            mistakes.of(_one_of, self, "type", SKIES)
-            mistakes.of(_radiance, self)
-            mistakes.of(_spectrum, self)
+            mistakes.of(check.one_of, self, "type", SKIES)
+            mistakes.of(check.radiance, self)
+            mistakes.of(check.spectrum, self)
+            if self.type == "zones":
+                object.__setattr__(self, "zones", mistakes.of(zones_of, self.zones) or ())
+                for key, unset in (("radiance", 0), ("spectrum", "d65")):
+                    if getattr(self, key) != unset:
+                        told = "not allowed here, zones have colours and radiances of their own"
+                        mistakes.add(InputError(told, key=key, value=getattr(self, key)))
+            elif self.zones != ():
+                mistakes.add(InputError('are for type = "zones"', key="zones", value=self.zones))
+
+    @property
+    def is_dark(self) -> bool:
+        """Whether it gives no light."""
+        return all(zone.is_dark for zone in self.zones) if self.type == "zones" else self.radiance == 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -184,9 +202,9 @@ class Ground:
 
     def __post_init__(self) -> None:
         with Mistakes() as mistakes:
-            mistakes.of(_one_of, self, "type", GROUNDS)
-            mistakes.of(_within, self, "reflectance", 0, 1)
-            mistakes.of(_within, self, "distance", 3, 1e3)
+            mistakes.of(check.one_of, self, "type", GROUNDS)
+            mistakes.of(check.within, self, "reflectance", 0, 1)
+            mistakes.of(check.within, self, "distance", 3, 1e3)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -205,8 +223,9 @@ class Setup:
         Between stones that stand side by side [girdle radius].
     white : str or float
         The light that is white in the picture, as a light's spectrum.
-    expose_for : {"stones", "ground"}
-        What the automatic exposure goes by: the stones, or the ground, as one exposes for white paper.
+    expose_for : {"stones", "ground", "light"}
+        What the automatic exposure goes by: the stones; the ground, as one exposes for white paper; or the
+        light: a radiance of 1 is white, so that pictures of different stones can be compared.
     exposure : float
         Correction of the automatic exposure [stops].
     camera, lights, sky, ground
@@ -231,15 +250,15 @@ class Setup:
 
     def __post_init__(self) -> None:
         with Mistakes() as mistakes:
-            mistakes.of(_one_of, self, "pose", POSES)
-            mistakes.of(_one_of, self, "expose_for", EXPOSURES)
-            mistakes.of(_within, self, "facing", -360, 360)
-            mistakes.of(_within, self, "gap", 0.01, 100)
-            mistakes.of(_within, self, "exposure", -20, 20)
-            mistakes.of(_spectrum, self, "white")
+            mistakes.of(check.one_of, self, "pose", POSES)
+            mistakes.of(check.one_of, self, "expose_for", EXPOSURES)
+            mistakes.of(check.within, self, "facing", -360, 360)
+            mistakes.of(check.within, self, "gap", 0.01, 100)
+            mistakes.of(check.within, self, "exposure", -20, 20)
+            mistakes.of(check.spectrum, self, "white")
         if self.ground.type == "cup" and self.pose != "table-up":
             raise InputError("must be table-up in a cup", key="pose", value=self.pose)
-        if self.sky.radiance == 0 and not any(light.radiance > 0 for light in self.lights):
+        if self.sky.is_dark and not any(light.radiance > 0 for light in self.lights):
             raise InputError("needs a light or a sky with a radiance above 0", key="[[light]]")
 
 
@@ -318,50 +337,3 @@ def _light(table: dict[str, Any], name: str, mistakes: Mistakes) -> Light:
         light = own.of(Light, **{"shape": LIGHTS[0], **values})
     assert light is not None
     return light
-
-
-# ---- Checks --------------------------------------------------------------------------------------------
-
-
-def _one_of(part: Any, key: str, allowed: Sequence[str]) -> None:
-    value = getattr(part, key)
-    if value not in allowed:
-        hint = did_you_mean(value, allowed) if isinstance(value, str) else ""
-        raise InputError(f"must be one of {', '.join(allowed)}{hint}", key=key, value=value)
-
-
-def _size(value: Any) -> tuple[float, float]:
-    """Return the two sizes that one or two numbers stand for."""
-    size = value
-    if isinstance(size, (int, float)) and not isinstance(size, bool):
-        size = (size, size)
-    allowed = "must be one or two numbers above 0 [girdle radius]"
-    if not isinstance(size, (list, tuple)) or len(size) != 2:
-        raise InputError(allowed, key="size", value=value)
-    for side in size:
-        if isinstance(side, bool) or not isinstance(side, (int, float)) or not 0 < side <= 1e4:
-            raise InputError(allowed, key="size", value=value)
-    return float(size[0]), float(size[1])
-
-
-def _within(part: Any, key: str, low: float, high: float) -> None:
-    value = getattr(part, key)
-    number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    if not number or not low <= value <= high:  # false for NaN too
-        raise InputError(f"must be a number from {low:g} to {high:g}", key=key, value=value)
-
-
-def _radiance(part: Any) -> None:
-    low, high = RADIANCE_RANGE
-    _within(part, "radiance", 0, high)
-    if 0 < part.radiance < low:
-        raise InputError(f"must be 0 or from {low:g} to {high:g}", key="radiance", value=part.radiance)
-
-
-def _spectrum(part: Any, key: str = "spectrum") -> None:
-    from gemrender.colorimetry import white_xyz
-
-    try:
-        white_xyz(getattr(part, key))
-    except InputError as error:
-        raise InputError(error.allowed, key=key, value=error.value) from error

@@ -108,6 +108,7 @@ def _write(
         "gem_path": mi.ObjectType.Integrator,
         "gem_orthographic": mi.ObjectType.Sensor,
         "gem_hemisphere": mi.ObjectType.Emitter,
+        "gem_zones": mi.ObjectType.Emitter,
         "gem_dielectric": mi.ObjectType.BSDF,
     }
     for node in state.nodes:  # Mitsuba's writer does not know the kind of a Python plugin

@@ -12,9 +12,12 @@ from matplotlib.image import imread
 
 import gemrender
 from gemrender.colorimetry import (
+    VISIBLE_NM,
     adapt,
     adaptation_matrix,
     colour_matching,
+    colour_spectrum,
+    colour_xyz,
     illuminant_names,
     illuminant_spectrum,
     luminance_weights,
@@ -133,6 +136,63 @@ def test_unknown_lights_are_refused(light):
 def test_bad_wavelengths_are_refused(wavelength):
     refused(lambda: colour_matching(wavelength), "wavelength = ", "above 0 [nm]")
     refused(lambda: illuminant_spectrum("d65", wavelength), "wavelength = ")
+
+
+def picture_of_spectrum(rgb):
+    """Linear sRGB of a picture of a colour's spectrum: the integral over visible light, in fine steps."""
+    nm = np.linspace(*VISIBLE_NM, 380 * 64 + 1)
+    values = colour_spectrum(rgb, nm)[:, None] * colour_matching(nm)
+    xyz = 0.5 * (values[1:] + values[:-1]).sum(axis=0) / 64 / y_integral_nm()
+    return xyz_to_linear_srgb(adapt(xyz, white_xyz("d65")))
+
+
+#: Trapezia of 1/64 nm under a picture of a spectrum.
+FINE_STEPS = 1e-6
+
+
+@pytest.mark.parametrize(
+    "rgb",
+    [
+        (1, 0, 0),
+        (0, 1, 0),
+        (0, 0, 1),
+        (1, 1, 0),
+        (1, 0, 1),
+        (0, 1, 1),
+        (1, 1, 1),
+        (1, 0.25, 0.4),
+        (0, 1e-9, 0),
+    ],
+)
+def test_a_colour_has_a_positive_spectrum_that_is_that_colour(rgb):
+    """Though red, green and blue of sRGB are near the edge of what light can be."""
+    np.testing.assert_allclose(picture_of_spectrum(rgb), rgb, atol=FINE_STEPS * max(rgb), rtol=0)
+    assert colour_spectrum(rgb, np.linspace(*VISIBLE_NM)).min() > 0
+
+
+def test_random_colours_have_spectra(rng):
+    for rgb in rng.random((20, 3)) ** rng.integers(1, 12):
+        np.testing.assert_allclose(picture_of_spectrum(rgb), rgb, atol=FINE_STEPS * max(rgb), rtol=0)
+
+
+def test_a_spectrum_of_a_colour_is_smooth_and_goes_with_its_brightness():
+    nm = np.arange(380.0, 761.0, 5.0)
+    rise = np.diff(np.log(colour_spectrum((0, 1, 0), nm)))
+    assert ((rise[1:] < 0) & (rise[:-1] > 0)).sum() == 1  # one maximum
+    assert np.abs(np.diff(rise)).max() < 0.1
+    np.testing.assert_allclose(colour_spectrum((0, 7, 0), nm), 7 * colour_spectrum((0, 1, 0), nm))
+    np.testing.assert_array_equal(colour_spectrum((0, 1, 0), [360.0, 379.9, 760.1, 830.0]), 0)
+
+
+def test_xyz_of_a_colour_is_its_picture():
+    rgb = np.array([0.2, 0.5, 0.9])
+    np.testing.assert_allclose(xyz_to_linear_srgb(adapt(colour_xyz(rgb), white_xyz("d65"))), rgb, atol=1e-12)
+    np.testing.assert_allclose(colour_xyz([1, 1, 1]), white_xyz("d65"), atol=1e-12)
+
+
+@pytest.mark.parametrize("rgb", [(0, 0, 0), (1, -1e-9, 0), (1, np.nan, 0), (1, 1), 1.0])
+def test_what_is_no_colour_has_no_spectrum(rgb):
+    refused(lambda: colour_spectrum(rgb, 500), "colour = ", "three numbers of at least 0, not all 0")
 
 
 # ---- Tristimulus values --------------------------------------------------------------------------------

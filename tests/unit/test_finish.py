@@ -56,6 +56,13 @@ def test_without_a_ground_by_the_stones_after_all():
     assert exposure_of(picture(0.5, 0.0), setup) == pytest.approx(EXPOSED_TO / 0.5)
 
 
+@pytest.mark.parametrize("light", [0.01, 0.5, 30.0])
+def test_exposed_for_the_light_a_radiance_of_1_is_white_whatever_is_seen(light):
+    setup = dataclasses.replace(SETUP, expose_for="light")
+    assert exposure_of(picture(light, light), setup) == 1.0
+    assert exposure_of(picture(light, light), dataclasses.replace(setup, exposure=1.0), ev=1.0) == 4.0
+
+
 def test_stops_of_the_set_up_and_the_user_add_up():
     setup = dataclasses.replace(SETUP, exposure=1.0)
     assert exposure_of(picture(), setup, ev=2.0) == pytest.approx(8 * exposure_of(picture(), SETUP))

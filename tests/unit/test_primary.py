@@ -14,6 +14,7 @@ from solids import cleft_heart
 
 from gemrender import Model, RayStatus, View, load_stone, observe
 from gemrender.errors import InputError
+from gemrender.optics.fresnel import reflectance
 from gemrender.render.observe import film_rays
 from gemrender.scene import stone_scene
 
@@ -21,6 +22,12 @@ from gemrender.scene import stone_scene
 AOVS = [
     "primary.intensity", "rear.mask", "coverage", "status", "reflections",
     "exit.x", "exit.y", "exit.z", "exit.dx", "exit.dy", "exit.dz", "entry.facet", "exit.facet", "path.code",
+]  # fmt: skip
+#: Those that follow where all light is followed.
+LATER = [
+    "entry.nx", "entry.ny", "entry.nz", "entry.cosine", "exit.cosine",
+    "later.status", "later.reflections", "later.partial", "later.weight", "later.probability",
+    "later.x", "later.y", "later.z", "later.dx", "later.dy", "later.dz", "later.facet", "later.cosine",
 ]  # fmt: skip
 
 STONE = load_stone("inoue-1")
@@ -57,14 +64,15 @@ def test_examples_of_the_manual_render(variants_all):
 
 def test_every_parameter_is_in_the_manual(variant_llvm_ad_mono):
     integrator = mi.load_dict({"type": "gem_primary"})
-    for key in ("fresnel", "rear", "intensity", *(key for key, _ in mi.traverse(integrator))):
+    for key in ("fresnel", "rear", "intensity", "follow", *(key for key, _ in mi.traverse(integrator))):
         assert f"     * - {key}\n" in type(integrator).__doc__
 
 
 def test_says_what_it_is(variant_llvm_ad_mono):
-    properties = {"int_ior": 2.0, "fresnel": "exact", "max_reflections": 7}
+    properties = {"int_ior": 2.0, "fresnel": "exact", "max_reflections": 7, "follow": "all"}
     text = str(mi.load_dict({"type": "gem_primary", **properties}))
-    for part in ("PrimaryIntegrator", "int_ior = 2,", "fresnel = exact", "max_reflections = 7"):
+    words = ("PrimaryIntegrator", "int_ior = 2,", "fresnel = exact", "max_reflections = 7", "follow = all")
+    for part in words:
         assert part in text
 
 
@@ -78,6 +86,29 @@ def test_channels_have_the_manuals_names_and_order(variant_llvm_ad_mono):
     mi.render(scene)
     struct = scene.sensors()[0].film().bitmap().struct_()
     assert [field.name for field in struct] == ["Y", *AOVS]  # the film's own channel comes first
+
+
+def test_channels_of_all_light_come_after_the_others(variants_all):
+    scene = mi.load_dict(stone_scene(STONE, VIEW, Model(fresnel="exact"), follow="all"))
+    assert scene.integrator().aov_names() == [*AOVS, *LATER]
+    radiance, aov = channels(scene)
+    alone, expected = channels(scene_of())
+    # A random sample in ten thousand is rounded into the next pixel (the manual of gem_orthographic).
+    same = aov["coverage"] == expected["coverage"]
+    assert np.count_nonzero(~same) < 0.002 * same.size
+    for name in AOVS:
+        np.testing.assert_array_equal(aov[name][same], expected[name][same], err_msg=name)
+    np.testing.assert_array_equal(radiance[same] > 0, alone[same] > 0)  # of random wavelengths, in spectral
+    # Every ray that leaves has a later exit, chosen as likely as T of its crossing times what came before.
+    later = aov["later.status"] > 0
+    np.testing.assert_array_equal(later, aov["status"] == RayStatus.EXITED)
+    crossed = later & (aov["later.partial"] == 1)
+    back, again = (reflectance(aov[f"{part}.cosine"][crossed], 2.4173) for part in ("exit", "later"))
+    np.testing.assert_allclose(aov["later.weight"][crossed], back, rtol=SINGLE_RADIANCE)
+    np.testing.assert_allclose(aov["later.probability"][crossed], 1 - again, rtol=0, atol=SINGLE_RADIANCE)
+    for name in LATER:
+        untold = ~later if name.startswith("later") else aov["coverage"] == 0
+        assert (aov[name][untold] == (-1 if name == "later.facet" else 0)).all(), name
 
 
 def test_image_holds_what_observe_returns(variant_llvm_ad_mono):
@@ -279,6 +310,7 @@ BAD = [
     ({"max_reflections": "many"}, "max_reflections = 'many': must be a whole number, at least 1"),
     ({"fresnel": "table"}, "fresnel = 'table': must be one of gubelin, exact"),
     ({"rear": "below"}, "rear = 'below': must be one of position, facet, direction"),
+    ({"follow": "some"}, "follow = 'some': must be one of principal, all"),
     ({"intensity": "full"}, "intensity = 'full': must be one of primary, radiance"),
 ]
 

@@ -14,12 +14,17 @@ from gemrender.errors import InputError
 from gemrender.optics import load_material
 from gemrender.reading import LONGEST_LINE, MOST_BYTES
 from gemrender.scene.photoreal import Gem, photoreal_scene
-from gemrender.scene.setup import Camera, Ground, Light, Setup, Sky, bundled_setups, load_setup
+from gemrender.scene.setup import Camera, Ground, Light, Setup, Sky, Zone, bundled_setups, load_setup
+from gemrender.scene.zones import layers
 
-BUNDLED = ["fire", "hemisphere", "loupe", "studio", "velvet", "white", "window"]
+BUNDLED = [
+    "arrows", "aset", "fire", "hearts", "hemisphere", "ideal-scope", "loupe", "studio", "velvet", "white",
+    "window",
+]  # fmt: skip
 SETUPS = Path(gemrender.__file__).parent.parent / "scenes" / "setups"
 
 SKY = "[sky]\nradiance = 1\n"
+ZONES = '[sky]\ntype = "zones"\n'
 LIGHT = '[[light]]\nshape = "disc"\n'
 CAMERA = f"{SKY}[camera]\n"
 GROUND = f"{SKY}[ground]\n"
@@ -150,6 +155,21 @@ distance = 20
     )
 
 
+def test_zones_arrive_in_any_order_and_may_leave_gaps():
+    rows = "[{ elevation = [45, 90], colour = [0, 1, 0.5], radiance = 3 }, { elevation = [-90, -10] }]"
+    sky = load_setup(write(f"{ZONES}zones = {rows}")).sky
+    above = Zone(elevation=(45, 90), colour=(0, 1, 0.5), radiance=3)
+    below = Zone(elevation=(-90, -10), colour=(1, 1, 1), radiance=1)
+    assert sky == Sky(type="zones", zones=(above, below))
+    assert layers(sky.zones) == [(-90, -10, below), (-10, 45, None), (45, 90, above)]
+
+
+def test_zones_may_meet():
+    meeting = ", ".join(f"{{ elevation = [{low}, {low + 15}] }}" for low in range(-90, 90, 15))
+    zones = load_setup(write(f"{ZONES}zones = [{meeting}]")).sky.zones
+    assert [zone.elevation for zone in zones] == [(low, low + 15) for low in range(-90, 90, 15)]
+
+
 def test_one_light_of_several_is_enough():
     assert len(load_setup(write(f"{LIGHT}radiance = 0\n{LIGHT}")).lights) == 2
     assert load_setup(write(LIGHT)).sky.radiance == 0
@@ -177,6 +197,9 @@ _SIZE = "must be one or two numbers above 0 [girdle radius]"
 _COUNT = "must be a whole number from 1 to 256"
 _DARK = "[[light]]: needs a light or a sky with a radiance above 0"
 _SECTIONS = "must be sections: a line [[light]] before each"
+_ROWS = "must be 1 to 16 rows, as { elevation = [0, 45], colour = [0, 1, 0] }"
+_LIMITS = "must be two increasing numbers from -90 to 90"
+_COLOUR = "must be red, green and blue, three numbers from 0 to 1"
 _SPECTRUM = f"must be 1000 to 25000 [K] or one of {', '.join(illuminant_names())}"
 
 #: Text of a file, and what it is refused with.
@@ -207,7 +230,7 @@ REFUSED = {
         f"light 1.sise = 3: unknown key; must be one of {_OF_LIGHT}; did you mean size?",
     ),
     "sky's key": (
-        f'{SKY}color = "a"', "sky.color = 'a': unknown key; must be one of type, radiance, spectrum",
+        f'{SKY}color = "a"', "sky.color = 'a': unknown key; must be one of type, radiance, spectrum, zones",
     ),
     "ground's key": (
         f"{GROUND}kind = 1", "ground.kind = 1: unknown key; must be one of type, reflectance, distance",
@@ -218,7 +241,7 @@ REFUSED = {
         f"camera = 'x': must be a section: a line [camera], and below it {_OF_CAMERA}",
     ),
     "sky that is a number": (
-        "sky = 1", "sky = 1: must be a section: a line [sky], and below it type, radiance, spectrum",
+        "sky = 1", "sky = 1: must be a section: a line [sky], and below it type, radiance, spectrum, zones",
     ),
     "one light": ("[light]\nradiance = 1", f"light = {{'radiance': 1}}: {_SECTIONS}"),
     "light that is a number": (f"light = 1\n{SKY}", f"light = 1: {_SECTIONS}"),
@@ -307,15 +330,72 @@ REFUSED = {
     "hot": (f"{LIGHT}spectrum = 99999", f"light 1.spectrum = 99999: {_SPECTRUM}"),
     "spectrum that is a list": (f"{LIGHT}spectrum = [1]", f"light 1.spectrum = [1]: {_SPECTRUM}"),
     # ---- Sky and ground ----
-    "sky": ('[sky]\ntype = "dome"', "sky.type = 'dome': must be one of uniform, hemisphere"),
+    "sky": ('[sky]\ntype = "dome"', "sky.type = 'dome': must be one of uniform, hemisphere, zones"),
     "sky's radiance": ("[sky]\nradiance = inf", "sky.radiance = inf: must be a number from 0 to 1e+09"),
     "sky's spectrum": (f"{SKY}spectrum = nan", f"sky.spectrum = nan: {_SPECTRUM}"),
+    # ---- Zones ----
+    "no zones": (ZONES, f"sky.zones: missing; {_ROWS}"),
+    "no rows": (f"{ZONES}zones = []", f"sky.zones = []: {_ROWS}"),
+    "zones that are numbers": (f"{ZONES}zones = [[0, 45]]", f"sky.zones = [[0, 45]]: {_ROWS}"),
+    "a number of zones": (f"{ZONES}zones = 3", f"sky.zones = 3: {_ROWS}"),
+    "too many zones": (
+        f"{ZONES}zones = [{', '.join(['{}'] * 17)}]",
+        f"sky.zones = [{', '.join(['{}'] * 14)}, {{}}…: {_ROWS}",
+    ),
+    "zone without limits": (
+        f"{ZONES}zones = [{{ radiance = 1 }}]",
+        "sky.zones 1.elevation: missing; must be two increasing numbers from -90 to 90",
+    ),
+    "zone's key": (
+        f"{ZONES}zones = [{{ elevation = [0, 9], color = 1 }}]",
+        "sky.zones 1.color = 1: unknown key; must be one of elevation, colour, radiance; did you mean "
+        "colour?",
+    ),
+    "limits the wrong way round": (
+        f"{ZONES}zones = [{{ elevation = [45, 0] }}]", f"sky.zones 1.elevation = [45, 0]: {_LIMITS}",
+    ),
+    "one limit": (f"{ZONES}zones = [{{ elevation = 45 }}]", f"sky.zones 1.elevation = 45: {_LIMITS}"),
+    "limit that is no number": (
+        f"{ZONES}zones = [{{ elevation = [0, nan] }}]", f"sky.zones 1.elevation = [0, nan]: {_LIMITS}",
+    ),
+    "limit beyond the zenith": (
+        f"{ZONES}zones = [{{ elevation = [0, 91] }}]", f"sky.zones 1.elevation = [0, 91]: {_LIMITS}",
+    ),
+    "the second zone's colour": (
+        f"{ZONES}zones = [{{ elevation = [0, 9] }}, {{ elevation = [9, 10], colour = [0, 255, 0] }}]",
+        f"sky.zones 2.colour = [0, 255, 0]: {_COLOUR}",
+    ),
+    "colour in words": (
+        f'{ZONES}zones = [{{ elevation = [0, 9], colour = "red" }}]',
+        f"sky.zones 1.colour = 'red': {_COLOUR}",
+    ),
+    "zone's radiance": (
+        f"{ZONES}zones = [{{ elevation = [0, 9], radiance = -1 }}]",
+        "sky.zones 1.radiance = -1: must be a number from 0 to 1e+09",
+    ),
+    "zones that overlap": (
+        f"{ZONES}zones = [{{ elevation = [0, 45] }}, {{ elevation = [40, 90] }}]",
+        "sky.zones 2.elevation = [40.0, 90.0]: must not overlap another zone's, [0.0, 45.0]",
+    ),
+    "zones under a hemisphere": (
+        f'{SKY}type = "hemisphere"\nzones = 1', 'sky.zones = 1: are for type = "zones"',
+    ),
+    "radiance of zones": (
+        f"{ZONES}radiance = 2\nzones = [{{ elevation = [0, 9] }}]",
+        "sky.radiance = 2: not allowed here, zones have colours and radiances of their own",
+    ),
+    "spectrum of zones": (
+        f'{ZONES}spectrum = "a"\nzones = [{{ elevation = [0, 9] }}]',
+        "sky.spectrum = 'a': not allowed here, zones have colours and radiances of their own",
+    ),
     "ground": (f'{GROUND}type = "floor"', "ground.type = 'floor': must be one of none, plane, sweep, cup"),
     "reflectance": (f"{GROUND}reflectance = 1.2", "ground.reflectance = 1.2: must be a number from 0 to 1"),
     "wall": (f"{GROUND}distance = 1", "ground.distance = 1: must be a number from 3 to 1000"),
     # ---- No light ----
     "dark": ('name = "Cellar"', _DARK),
     "dark light": (f"{LIGHT}radiance = 0", _DARK),
+    "black zone": (f"{ZONES}zones = [{{ elevation = [0, 9], colour = [0, 0, 0] }}]", _DARK),
+    "dark zone": (f"{ZONES}zones = [{{ elevation = [0, 9], radiance = 0 }}]", _DARK),
     "dark sky": ("[sky]\nradiance = 0.0", _DARK),
 }  # fmt: skip
 
