@@ -88,16 +88,17 @@ def _groups(first: Study) -> list[dict[str, Any]]:
 
 
 def _columns(score: Score, every: Sequence[tuple[MeasureValues, ...]]) -> list[dict[str, Any]]:
-    """Return a column for each value: the score's own, the brightest band first, then those of measures."""
+    """Return a column for each value: Average and Rear, those of measures, and the bands, brightest first."""
     bands = {band_key(band): k for k, band in enumerate(score.bands)}
     names = {band_key(band): band_name(band, typeset=True) for band in score.bands}
-    own = ["average", "rear", *bands]
+    own = ["average", "rear"]
     own += [key for key in ("trapped", "lost") if any(of[0].values[key] >= LEAST_SHOWN for of in every)]
-    out = [
-        {"key": key, "label": names.get(key, key.capitalize()), "group": 0, "decimals": 2, "of": key,
-         "band": bands.get(key)}
-        for key in own
-    ]  # fmt: skip
+
+    def of_score(key: str) -> dict[str, Any]:
+        label = names.get(key, key.capitalize())
+        return {"key": key, "label": label, "group": 0, "decimals": 2, "of": key, "band": bands.get(key)}
+
+    out = [of_score(key) for key in own]
     for group, of in list(enumerate(every[0]))[1:]:
         bounds = [measures[group].bound for measures in every]
         decimals = 3 if all(bound is not None and bound <= _EXACT for bound in bounds) else 2
@@ -110,7 +111,7 @@ def _columns(score: Score, every: Sequence[tuple[MeasureValues, ...]]) -> list[d
                 "of": key,
                 "band": None,
             })  # fmt: skip
-    return out
+    return out + [of_score(key) for key in bands]
 
 
 def _number(of: MeasureValues, key: str) -> float | None:

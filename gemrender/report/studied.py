@@ -9,10 +9,10 @@ from typing import Any
 
 from gemrender.engines import DEFAULT_HEAD, observe
 from gemrender.errors import InputError
-from gemrender.measures import Measure, chosen_measures, measure_named
+from gemrender.measures import Measure, measure_named
 from gemrender.observation import MeasureValues, Observation, View
 from gemrender.report.tables import band_key
-from gemrender.scoring import Score, score, score_observation
+from gemrender.scoring import Score, chosen_or_none, score, score_observation
 from gemrender.stone import Stone
 
 __all__ = ["MOST_TURNS", "Study", "Turned", "check_turns", "study_stone"]
@@ -138,7 +138,7 @@ def study_stone(
     turns = list(turns)
     if turns and options.get("tilt"):
         raise InputError("turns are from straight above: the view must not be tilted", key="turns")
-    chosen = None if measures is None else chosen_measures(measures)
+    chosen = chosen_or_none(measures)
     tell = progress or (lambda share: None)
     parts = 1 + len(turns)
     observation = observe(stone, progress=lambda share: tell(share / parts), **options)

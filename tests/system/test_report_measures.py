@@ -171,7 +171,7 @@ def test_a_definition_is_one_click_away(seen):
     for name in ("inoue", "wlr-like"):
         assert dialog.is_hidden()
         press_heading(seen, name)
-        text = dialog.inner_text()
+        text = dialog.inner_text().replace("−", "-")
         assert measure_named(name).definition[1:] in text
         assert measure_named(name).source in text
         if name == "inoue":

@@ -23,8 +23,9 @@ from gemrender.report.comparison import (
     write_comparison,
 )
 from gemrender.report.formats import FORMATS
+from gemrender.scoring import score
 from gemrender.stone import Stone
-from tests.observations import ROOT, observation, run_gemrender, run_python
+from tests.observations import ROOT, STONE, observation, run_gemrender, run_python
 
 FAST = ("--engine", "reference", "--resolution", "32")
 
@@ -168,6 +169,23 @@ def test_measures_are_in_every_form_as_score_has_them(gemrender, tmp_path):
     rows = list(csv.DictReader(io.StringIO((tmp_path / "comparison.csv").read_text(encoding="utf-8"))))
     assert [float(row["iso"]) for row in rows] == [s["measures"]["iso"]["value"] for s in scored]
     assert "internal" in gemrender("compare", *asked)[1]
+
+
+def test_the_figure_shows_values_of_measures_beside_the_bars():
+    """The one value of each, or all that it has; what is the paper's is there already."""
+    shown = small()
+    wanted = score(STONE, engine="reference", resolution=16, measures="inoue,window,extinction,iso")
+    texts = [text.get_text() for text in comparison_figure([panel(shown, wanted)] * 2).axes[-1].texts]
+    assert texts[-5:] == [
+        "Average",
+        "window",
+        "extinction\nhead",
+        "extinction\nlate_leak",
+        "extinction\ntied",
+    ]
+    by_name = {of.name: of.values for of in wanted.measures}
+    assert texts[0] == f"{wanted.average:.2f}"
+    assert texts[1:3] == [f"{by_name['window']['value']:.2f}", f"{by_name['extinction']['head']:.2f}"]
 
 
 def test_an_unknown_measure_is_refused(gemrender):

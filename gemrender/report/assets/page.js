@@ -1332,7 +1332,7 @@
                 rows.push({ cells: ['Each within', ...bounds.map((bound) => (bound === null ? '–' : `±${boundText(bound)}`))] });
             const made = element('table');
             table(made, ['', ...names], rows);
-            const note = element('p', { className: 'note' }, `${group.definition}. Source: ${group.source}.`);
+            const note = element('p', { className: 'note' }, `${GemScores.typeset(group.definition)}. Source: ${group.source}.`);
             return element('div', {}, element('h2', {}, i === 0 ? 'Scores' : group.name), made, ...(i === 0 ? [] : [note]));
         });
         document.getElementById('comparison').append(...parts);

@@ -142,13 +142,17 @@ const GemScores = (() => {
 
         head() {
             const { groups, columns } = this.values;
-            const ofGroup = groups.map((group, i) => columns.filter((column) => column.group === i));
-            const upper = groups.map((group, i) => {
-                const button = element('button', { type: 'button', className: 'define' }, group.name);
+            const runs = []; // columns of one measure that stand side by side
+            for (const { group } of columns)
+                if (runs.at(-1)?.group === group) runs.at(-1).length += 1;
+                else runs.push({ group, length: 1 });
+            const upper = runs.map(({ group, length }) => {
+                const { name } = groups[group];
+                const button = element('button', { type: 'button', className: 'define' }, name);
                 button.setAttribute('aria-haspopup', 'dialog');
-                button.title = `Definition and source of ${group.name}`;
-                button.addEventListener('click', () => define(group));
-                return element('th', { scope: 'colgroup', colSpan: ofGroup[i].length, className: 'first' }, button);
+                button.title = `Definition and source of ${name}`;
+                button.addEventListener('click', () => define(groups[group]));
+                return element('th', { scope: 'colgroup', colSpan: length, className: 'first' }, button);
             });
             const lower = columns.map((column, i) => {
                 const isFirst = i === 0 || columns[i - 1].group !== column.group;
@@ -287,10 +291,13 @@ const GemScores = (() => {
         return bound === null || decimals === 0 ? [] : [' ', element('small', {}, `±${boundText(bound)}`)];
     }
 
+    /** A definition as print has it. */
+    const typeset = (text) => text[0].toUpperCase() + text.slice(1).replace(/`([^`]*)`/g, '“$1”').replaceAll(' - ', ' − ');
+
     function define(group) {
         const dialog = document.getElementById('definition');
         find(dialog, 'h2').textContent = group.name;
-        find(dialog, '.words').textContent = `${group.definition[0].toUpperCase()}${group.definition.slice(1)}.`;
+        find(dialog, '.words').textContent = `${typeset(group.definition)}.`;
         find(dialog, '.source').textContent = `Source: ${group.source}. Version ${group.version}.`;
         dialog.showModal();
     }
@@ -483,5 +490,5 @@ const GemScores = (() => {
         };
     }
 
-    return Object.freeze({ Choices, Values, ScoreTable, Tilts, boundText });
+    return Object.freeze({ Choices, Values, ScoreTable, Tilts, boundText, typeset });
 })();
