@@ -180,7 +180,7 @@ def test_the_figure_shows_values_of_measures_beside_the_bars():
         "Average",
         "window",
         "extinction\nhead",
-        "extinction\nlate_leak",
+        "extinction\nlate leak",
         "extinction\ntied",
     ]
     by_name = {of.name: of.values for of in wanted.measures}
