@@ -35,7 +35,9 @@ if TYPE_CHECKING:
         stone_from_vertices,
         vary,
     )
+    from gemrender.mapping import measure_maps
     from gemrender.measures import Measure
+    from gemrender.measures.maps import MeasureMaps
     from gemrender.observation import Model, Observation, RayStatus, View
     from gemrender.paths import Paths
     from gemrender.render.backend import mitsuba
@@ -50,6 +52,7 @@ __all__ = [
     "GemrenderWarning",
     "InputError",
     "Measure",
+    "MeasureMaps",
     "Model",
     "Observation",
     "Paths",
@@ -63,6 +66,7 @@ __all__ = [
     "bundled_stones",
     "load_stone",
     "load_stones",
+    "measure_maps",
     "mitsuba",
     "observe",
     "save_stone",
@@ -77,6 +81,7 @@ __all__ = [
 
 _ON_DEMAND = {
     "Measure": "gemrender.measures",
+    "MeasureMaps": "gemrender.measures.maps",
     "Paths": "gemrender.paths",
     "Model": "gemrender.observation",
     "Observation": "gemrender.observation",
@@ -87,6 +92,7 @@ _ON_DEMAND = {
     "bundled_stones": "gemrender.cuts",
     "load_stone": "gemrender.cuts",
     "load_stones": "gemrender.cuts",
+    "measure_maps": "gemrender.mapping",
     "mitsuba": "gemrender.render.backend",
     "save_stone": "gemrender.cuts",
     "stone_from_vertices": "gemrender.cuts",

@@ -142,6 +142,8 @@ def observe(
     variant: str = DEFAULT_VARIANT,
     bound: float = DEFAULT_BOUND,
     seed: int = 1,
+    measures: Sequence[Measure] = (),
+    head: float = DEFAULT_HEAD,
     time_limit: float = DEFAULT_TIME_LIMIT,
     memory_limit: float = DEFAULT_MEMORY_LIMIT,
     progress: Callable[[float], None] | None = None,
@@ -164,6 +166,9 @@ def observe(
     bound, seed : float, int
         For exact scores their error bound [%], and the seed of the rays near the girdle; the other engines
         make no use of them.
+    measures, head : sequence of Measure, float
+        For exact scores what to measure besides the paper's, and half the angle at which the viewer's head is
+        seen from the stone, 0 to below 90 [deg]; the other engines make no use of them.
     time_limit, memory_limit : float
         What an exact score may take [s] (0.1 to 86400) and [GiB] (0.125 to 1024). Past them it ends with a
         larger bound, and a note that says so. Polygons get three fifths of the time, those of maps as much
@@ -191,7 +196,10 @@ def observe(
         from gemrender.beam.maps import observe as by_beams
 
         budget = Budget(time_limit, memory_limit)
-        return by_beams(stone, view, model, bound=bound, seed=seed, progress=progress, budget=budget)
+        return by_beams(
+            stone, view, model, bound=bound, seed=seed, measures=measures, head_deg=check_head(head),
+            progress=progress, budget=budget,
+        )  # fmt: skip
     if used == "reference":
         from gemrender.reference import observe as by_reference
 

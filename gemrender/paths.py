@@ -61,6 +61,8 @@ class Paths:
     set_number : (n,) int64 or None
         Of rays in independent sets the set that each belongs to: what the sets find scatters, and so tells
         the error. None where the rows are no random sample.
+    pixel : (n,) int64 or None
+        Of rays through the pixels of a map the number of the pixel, row by row from the top; else None.
     images : (n,) int64 or None
         Of a part of a symmetric view, how many of the whole view's virtual facets each row stands for; None
         where the whole view was traced.
@@ -82,6 +84,7 @@ class Paths:
     entry_normal: np.ndarray | None = None
     unfolded_exit_normal: np.ndarray | None = None
     set_number: np.ndarray | None = None
+    pixel: np.ndarray | None = None
     images: np.ndarray | None = None
     stone: Stone
 

@@ -30,6 +30,7 @@ __all__ = [
     "Band",
     "FacetSizes",
     "Score",
+    "add_measures",
     "chosen_or_none",
     "score",
     "score_measurement",
@@ -181,6 +182,7 @@ def score_observation(observation: Observation) -> Score:
         observation.view,
         observation.model,
         seconds=observation.seconds,
+        with_measures=bool(observation.measured.measures),
     )
 
 
@@ -258,7 +260,7 @@ def score(
     check_head(head)
     if engine_for(engine, stone) != "exact":
         found = score_observation(observe(stone, engine=engine, **options))
-        return found if chosen is None else _with_measures(found, stone, engine, chosen, head, options)
+        return found if chosen is None else add_measures(found, stone, engine, chosen, head, options)
     measured, view, model = measure(stone, measures=chosen or (), head=head, **options)
     return score_measurement(measured, stone, view, model, with_measures=chosen is not None)
 
@@ -274,7 +276,7 @@ def chosen_or_none(
     return chosen_measures(measures)
 
 
-def _with_measures(
+def add_measures(
     found: Score,
     stone: Stone,
     engine: str,

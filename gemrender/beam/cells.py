@@ -27,7 +27,7 @@ from gemrender.beam.rays import (
 )
 from gemrender.optics.fresnel import transmittance
 
-__all__ = ["Cells"]
+__all__ = ["Cells", "cell_rays", "cell_starts"]
 
 
 class Cells:
@@ -66,7 +66,7 @@ class Cells:
         self._upto = np.cumsum(areas * self._weights[self._cell])
         self.area = float(self._upto[-1]) if len(self._upto) else 0.0
         self._maps = facets.exit_map[cells]
-        self._starts = _starts(facets, cells)
+        self._starts = cell_starts(facets, cells)
 
     def rays(self, unit: np.ndarray, random: np.ndarray) -> tuple[Rays, np.ndarray, np.ndarray]:
         """Spread rays over them, of each area as many as its share of the light says.
@@ -92,8 +92,29 @@ class Cells:
         return rays, self.area / self._weights[cell], np.arange(len(unit))
 
 
-def _starts(facets: VirtualFacets, cells: np.ndarray) -> Rays:
-    """Return the ray of each cell, but for its place."""
+def cell_rays(
+    starts: Rays, maps: np.ndarray, cell: np.ndarray, places: np.ndarray, random: np.ndarray
+) -> Rays:
+    """Put a ray into a cell at each of some places in the view.
+
+    Parameters
+    ----------
+    starts, maps : Rays, (k, 3, 3) float64
+        As `cell_starts` makes them, and `VirtualFacets.exit_map`, of k cells.
+    cell, places : (n,) int64, (n, 2) float64
+        The cell of each, and the place [girdle radius].
+    random : (n,) uint64
+        States of the rays' random numbers; (0,) if only principal light is followed.
+    """
+    rays, n, by_place = empty_rays(len(cell), random), len(cell), maps[cell]
+    rays.numbers[:, :n], rays.facts[:, :n] = starts.numbers[:, cell], starts.facts[:, cell]
+    point = by_place[:, 0] + places[:, :1] * by_place[:, 1] + places[:, 1:] * by_place[:, 2]
+    rays.numbers[POINT:DIRECTION, :n] = point.T
+    return rays
+
+
+def cell_starts(facets: VirtualFacets, cells: np.ndarray) -> Rays:
+    """Return the ray of each of some girdle cells (k,), but for its place."""
     paths, unfolding = facets.paths, facets.unfolding
     has_all = unfolding is not None
     rays = empty_rays(len(cells), np.ones(len(cells), np.uint64) if has_all else None)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from gemrender.beam.measure import measure_facets
 from gemrender.beam.rays import CODE, empty_rays, enter_rays, follow_rays, ray_paths
 from gemrender.beam.solid import BeamStone, beam_stone
 from gemrender.measures import inoue
+from gemrender.measures.measure import HEAD_DEG, Measure
 from gemrender.observation import (
     LIGHT_LEVEL,
     MAP_TYPES,
@@ -42,6 +43,8 @@ def observe(
     *,
     bound: float = 0.05,
     seed: int = 1,
+    measures: Sequence[Measure] = (),
+    head_deg: float = HEAD_DEG,
     rays: tuple[np.ndarray, np.ndarray] | None = None,
     progress: Callable[[float], None] | None = None,
     budget: Budget | None = None,
@@ -56,7 +59,7 @@ def observe(
         The map.
     model : Model, optional
         The optical model; by default that of the stone's material.
-    bound, seed
+    bound, seed, measures, head_deg
         Of the scores, as for `measure`.
     rays : tuple of two (h, w, 3) float64 arrays, optional
         Starts [girdle radius] and directions of the rays, which must be the view's own but for rounding, for
@@ -75,9 +78,10 @@ def observe(
     start = time.perf_counter()
     convex = stone if isinstance(stone, BeamStone) else beam_stone(stone)
     measured, facets = measure_facets(
-        convex, view=view, model=model, bound=bound, seed=seed, progress=progress, budget=budget
-    )
-    if facets.parts > 1:
+        convex, view=view, model=model, measures=measures, head_deg=head_deg, bound=bound, seed=seed,
+        progress=progress, budget=budget,
+    )  # fmt: skip
+    if facets.parts > 1 or measures:  # a part of the view, or more than its principal light
         facets = trace_facets(convex, view=view, model=model, budget=budget.anew() if budget else None)
     right, up, _ = view.basis()
     x, y = view.cell_centres()

@@ -18,7 +18,6 @@ from gemrender.cli.options import (
     trace_options,
 )
 from gemrender.cli.output import print_records, progress_bar, say
-from gemrender.cli.score import score_observed
 from gemrender.cli.stones import StoneOptions, load
 
 __all__ = ["compare"]
@@ -38,7 +37,7 @@ def compare(
     ] = None,
 ) -> None:
     """Compare stones: a table, the maps side by side, the bands; of two stones their difference too."""
-    from gemrender.engines import observe
+    from gemrender.mapping import score_and_observation
     from gemrender.report.comparison import panel, write_comparison
     from gemrender.report.files import prepare_folder
     from gemrender.report.tables import score_record, score_tables, score_values
@@ -56,9 +55,9 @@ def compare(
             if folder is None:
                 scores.append(score(stone, **measures, **traced))
                 continue
-            observation = observe(stone, **traced)
-            panels.append(panel(observation, score_observed(observation, measures, traced)))
-            scores.append(panels[-1][0])
+            found, observation = score_and_observation(stone, **measures, **traced)
+            panels.append(panel(observation, found))
+            scores.append(found)
             if len(loaded) == 2:
                 pair.append(observation)
             del observation

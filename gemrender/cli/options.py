@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 __all__ = [
     "AnyStones",
     "EngineOptions",
+    "Head",
     "MaterialOptions",
     "MeasureOptions",
     "ModelOptions",
@@ -47,6 +48,7 @@ __all__ = [
     "TableOptions",
     "ViewOptions",
     "bundled_names",
+    "measure_names",
     "measure_options",
     "output_option",
     "prepare_engine",
@@ -249,7 +251,20 @@ class ViewOptions:
     tilt_azimuth: TiltAzimuth = 0.0
 
 
-def _measure_names() -> tuple[str, ...]:
+Head = Annotated[
+    float,
+    number_option(
+        "--head",
+        "degrees",
+        "Half the angle at which the viewer's head is seen from the stone, 0 to below 90.",
+        metavar="DEGREES",
+        rich_help_panel=VIEW,
+    ),
+]
+
+
+def measure_names() -> tuple[str, ...]:
+    """Return what may stand for measures: their names, and all."""
     from gemrender.measures import measures
 
     return ("all", *(measure.name for measure in measures()))
@@ -264,20 +279,11 @@ class MeasureOptions:
         typer.Option(
             metavar="NAME,...",
             help="Further measures, with commas between them, or all (see: gemrender measures).",
-            autocompletion=complete_words(_measure_names),
+            autocompletion=complete_words(measure_names),
             rich_help_panel=MODEL,
         ),
     ] = None
-    head: Annotated[
-        float,
-        number_option(
-            "--head",
-            "degrees",
-            "Half the angle at which the viewer's head is seen from the stone, 0 to below 90.",
-            metavar="DEGREES",
-            rich_help_panel=VIEW,
-        ),
-    ] = DEFAULT_HEAD
+    head: Head = DEFAULT_HEAD
 
 
 # ---- Output --------------------------------------------------------------------------------------------

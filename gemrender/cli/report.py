@@ -21,7 +21,6 @@ from gemrender.cli.options import (
 from gemrender.cli.output import output_file, progress_bar, say
 from gemrender.cli.stones import load
 from gemrender.cli.values import choice_option, number_option
-from gemrender.errors import InputError
 
 __all__ = ["report"]
 
@@ -39,7 +38,7 @@ def report(
         number_option(
             "--tilts",
             "degrees",
-            "Measure the stones turned by up to so much, too: the page has a slider over it; 0 for none.",
+            "Measure the stones tilted by up to so much both ways, too: a slider on the page; 0 for none.",
             metavar="DEGREES",
             rich_help_panel=VIEW,
         ),
@@ -60,12 +59,11 @@ def report(
 ) -> None:
     """Write a page for the browser: the stones in 3D, their maps, and the ray behind every point."""
     from gemrender.report.page import check_number, check_target, write_report
-    from gemrender.report.studied import check_turns, study_stone
+    from gemrender.report.studied import check_tilts, study_stone
 
     options, measures = trace_options(engine, model, view), measure_options(measured)
-    turns = check_turns(tilts, tilt_step) if tilts else []
-    if turns and options["tilt"]:
-        raise InputError("turns stones from straight above, and cannot be given with --tilt", key="--tilts")
+    if tilts:
+        check_tilts(tilts, tilt_step, options["tilt"])
     loaded = load(stones, options, material=of.material)
     check_number(len(loaded))
     target = output_file(out, "report.html")
@@ -76,7 +74,13 @@ def report(
         # One after the other: the page keeps less of each than its maps.
         studied = (
             study_stone(
-                stone, turns=turns, axis=tilt_axis, progress=step(i, stone.name), **measures, **options
+                stone,
+                tilts=tilts,
+                tilt_step=tilt_step,
+                axis=tilt_axis,
+                progress=step(i, stone.name),
+                **measures,
+                **options,
             )
             for i, stone in enumerate(loaded.stones)
         )

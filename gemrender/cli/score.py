@@ -28,10 +28,9 @@ from gemrender.stereo import EYE_DISTANCE, EYE_SEPARATION
 
 if TYPE_CHECKING:
     from gemrender.cli.stones import LoadedStones
-    from gemrender.observation import Observation
     from gemrender.scoring import Score
 
-__all__ = ["score", "score_observed"]
+__all__ = ["score"]
 
 #: From so many stones on, the time that they took is told.
 _MANY = 100
@@ -76,7 +75,10 @@ def score(
             rich_help_panel=VIEW,
         ),
     ] = EYE_DISTANCE,
-    out: Annotated[str | None, output_option("Where to write each stone's maps, as EXR and PNG.")] = None,
+    out: Annotated[
+        str | None,
+        output_option("Where to write each stone's maps, and those of the measures, as EXR and PNG."),
+    ] = None,
 ) -> None:
     """Score stones: Average, Rear and the bands of the top view, and further measures."""
     from gemrender.report.tables import score_record, score_tables, score_values
@@ -140,8 +142,9 @@ def _scores(
     loaded: LoadedStones, options: dict[str, Any], measures: dict[str, Any], out: str | None
 ) -> Iterator[Score]:
     """Score the stones one after the other; with `out`, write their maps."""
-    from gemrender.engines import observe
+    from gemrender.mapping import score_with_maps
     from gemrender.report.files import file_stems, prepare_folder, write_observation
+    from gemrender.report.measure_maps import write_measure_maps
     from gemrender.scoring import score as score_stone
 
     folder = None if out is None else prepare_folder(out)
@@ -152,17 +155,9 @@ def _scores(
             if folder is None:
                 yield score_stone(stone, **measures, **traced)
                 continue
-            observation = observe(stone, **traced)
-            yield score_observed(observation, measures, traced)
+            of_maps, observation, maps = score_with_maps(stone, **measures, **traced)
+            yield of_maps
             write_observation(observation, folder, stems[i])
-            del observation  # before the next one is made: at 4096 x 4096 its maps take 0.8 GB
-
-
-def score_observed(observation: Observation, measures: dict[str, Any], traced: dict[str, Any]) -> Score:
-    """Score what was observed; where there are further measures, by what they need beside the maps."""
-    from gemrender.scoring import score as score_stone
-    from gemrender.scoring import score_observation
-
-    if measures["measures"] is None:
-        return score_observation(observation)
-    return score_stone(observation.stone, **measures, **traced)
+            if maps is not None:
+                write_measure_maps(maps, folder, stems[i])
+            del observation, maps  # before the next ones are made: at 4096 x 4096 the former takes 0.8 GB

@@ -12,20 +12,25 @@ from gemrender.cli.groups import command
 from gemrender.cli.options import (
     OUTPUT,
     EngineOptions,
+    Head,
     MaterialOptions,
     ModelOptions,
     Stones,
+    measure_names,
     output_option,
     prepare_engine,
     trace_options,
     view_and_model,
 )
-from gemrender.cli.output import progress_bar, say
+from gemrender.cli.output import named_as, progress_bar, say
 from gemrender.cli.stones import load
-from gemrender.cli.values import choice_option, number_option, whole_option
+from gemrender.cli.values import choice_option, complete_words, number_option, whole_option
+from gemrender.engines import DEFAULT_HEAD
 from gemrender.errors import BackendError, InputError
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from gemrender.stone import Stone
 
 __all__ = ["show"]
@@ -70,6 +75,17 @@ def show(
         ),
     ] = 0.0,
     rays: Annotated[int, whole_option("--rays", "Rays of the fan.")] = 24,
+    measures: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--measure",
+            metavar="NAME",
+            help="Measure that the map is of, instead of the paper's intensity, or all; may be given several "
+            "times. Its EXR file is written too (see: gemrender measures).",
+            autocompletion=complete_words(measure_names),
+        ),
+    ] = None,
+    head: Head = DEFAULT_HEAD,
     colour: Annotated[
         str,
         choice_option(
@@ -94,6 +110,7 @@ def show(
     shown = [name for name in _DISPLAYS if name in wanted or "all" in wanted]
     points = _points(at)
     options = trace_options(engine, model)
+    mapped = _mapped(measures, head, shown)
 
     from gemrender.report.displays import write_display
     from gemrender.report.displays.rays import check_fan, check_points
@@ -119,6 +136,11 @@ def show(
     drawn = {key: options[key] for key in ("engine", "variant", "resolution", "fresnel", "rear", "intensity")}
     with progress_bar(len(jobs)) as step:
         for i, (stone, stem, display) in enumerate(jobs):
+            progress = step(i, f"{stone.name}: {display}")
+            if display == "map" and mapped is not None:
+                for path in _write_maps(stone, stem, folder, options, mapped | {"progress": progress}, form):
+                    say(f"written: {path}")
+                continue
             written = write_display(
                 stone,
                 display,
@@ -131,7 +153,7 @@ def show(
                 colour=colour,
                 **drawn,
             )
-            step(i, f"{stone.name}: {display}")(1.0)
+            progress(1.0)
             for path in written:
                 say(f"written: {path}")
 
@@ -144,6 +166,32 @@ def _has_facets(stone: Stone, options: dict[str, Any]) -> bool:
         say(f"virtual facets left out: {error}")
         return False
     return True
+
+
+def _mapped(names: list[str] | None, head: float, shown: list[str]) -> dict[str, Any] | None:
+    """Name what maps are asked of as `gemrender.measure_maps` does, checked; None for the paper's map."""
+    from gemrender.engines import check_head
+
+    check_head(head)
+    if not names:
+        return None
+    from gemrender.measures.maps import mapped_measures
+
+    if "map" not in shown:
+        raise InputError("is for the map: --what map", key="--measure", value=names[0])
+    with named_as("--measure"):
+        return {"measures": mapped_measures("all" if "all" in names else names), "head": head}
+
+
+def _write_maps(
+    stone: Stone, stem: str, folder: Path, options: dict[str, Any], of: dict[str, Any], form: str
+) -> list[Path]:
+    """Write the maps of measures."""
+    from gemrender.mapping import measure_maps
+    from gemrender.report.measure_maps import write_measure_maps
+
+    traced = {key: value for key, value in options.items() if key != "bound"}
+    return write_measure_maps(measure_maps(stone, **of, **traced), folder, stem, formats=_FORMATS[form])
 
 
 def _points(texts: list[str] | None) -> list[tuple[float, float]] | None:

@@ -70,6 +70,7 @@ def paths_by_ray(
     if follow not in FOLLOW:
         raise ValueError(f"follow must be one of {', '.join(FOLLOW)}, got {follow!r}")
     model = model or Model.of(stone)
+    through_centres = points is None
     if points is None:
         x, y = view.cell_centres()
         points = np.stack(np.broadcast_arrays(x, y[:, None]), axis=-1).reshape(-1, 2)
@@ -86,7 +87,7 @@ def paths_by_ray(
     columns = {name: np.concatenate(columns) for name, columns in parts.items()}
     ray = columns.pop("ray")
     area = np.full(len(ray), (2.0 * view.half_width / view.resolution) ** 2)
-    return Paths(area=area, **columns, stone=stone), ray
+    return Paths(area=area, **columns, pixel=ray if through_centres else None, stone=stone), ray
 
 
 def _follow(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from gemrender.scene.generator import stone_scene
 from gemrender.scene.loading import load_scene
 from gemrender.stone import Stone
 
-__all__ = ["trace_paths"]
+__all__ = ["trace_passes", "trace_paths"]
 
 #: Rays of a pass: of each, some thirty numbers in double precision are brought back.
 PASS_RAYS = 1 << 19
@@ -25,6 +25,7 @@ PASS_RAYS = 1 << 19
 _ENTRY = {
     "entry_facet": MAP_CHANNELS["entry_facet"],
     **{name: CROSSING_CHANNELS[name] for name in ("entry_normal", "cos_entry")},
+    "pixel": ("pixel",),
 }
 _PRINCIPAL = {
     **{
@@ -36,7 +37,9 @@ _PRINCIPAL = {
 }
 _LATER = LATER_CHANNELS | _ENTRY
 #: Columns of whole numbers.
-_WHOLE = ("status", "reflections", "partial_reflections", "entry_facet", "exit_facet", "set_number")
+_WHOLE = (
+    "status", "reflections", "partial_reflections", "entry_facet", "exit_facet", "set_number", "pixel",
+)  # fmt: skip
 
 
 def trace_paths(
@@ -90,6 +93,31 @@ def trace_paths(
     BackendError
         Mitsuba cannot run here.
     """
+    parts = list(
+        trace_passes(
+            stone, view, model, follow=follow, variant=variant, seed=seed, spp=spp, progress=progress
+        )
+    )
+    later = [part.partial_reflections > 0 for part in parts]
+    principal = [part.rows(~chosen) for part, chosen in zip(parts, later, strict=True)]
+    return Paths.joined([*principal, *(part.rows(chosen) for part, chosen in zip(parts, later, strict=True))])
+
+
+def trace_passes(
+    stone: Stone,
+    view: View,
+    model: Model | None = None,
+    *,
+    follow: str = "all",
+    variant: str = "llvm_ad_mono",
+    seed: int = 1,
+    spp: int = 1,
+    progress: Callable[[float], None] | None = None,
+) -> Iterator[Paths]:
+    """Yield what `trace_paths` does pass by pass, as it is traced.
+
+    A pass is some rows of the view, from the top; parameters and errors are those of `trace_paths`.
+    """
     if follow not in FOLLOW:
         raise InputError(f"must be one of {', '.join(FOLLOW)}", key="follow", value=follow)
     for key, value, least in (("seed", seed, 0), ("spp", spp, 1)):
@@ -103,27 +131,25 @@ def trace_paths(
     scene: Any = load_scene(described)
     eye, sampler = scene.sensors()[0], load_scene({"type": "independent"})
     area = (2.0 * view.half_width / view.resolution) ** 2 / spp
-    principal: list[dict[str, Any]] = []
-    later: list[dict[str, Any]] = []
     for number in range(spp):
         for first, kept in view_passes(eye, view, rows):
             of_pass = int(np.random.SeedSequence([seed, number, first]).generate_state(1)[0])
             sampler.seed(of_pass, rows * view.resolution)
             found = _trace(scene, film_rays(eye, None if spp == 1 else sampler), sampler)
             found = {name: values[: kept * view.resolution] for name, values in found.items()}
+            found["pixel"] = first * view.resolution + np.arange(kept * view.resolution)
             of_ray = {"area": area, "set_number": number}
             met = found["status"] != RayStatus.MISSED
-            principal.append(_columns(found, _PRINCIPAL, met, weight=1.0, partial_reflections=0, **of_ray))
+            columns = _columns(found, _PRINCIPAL, met, weight=1.0, partial_reflections=0, **of_ray)
             if follow == "all":
-                columns = _columns(found, _LATER, found["later.status"] != RayStatus.MISSED, **of_ray)
-                columns["area"] /= columns.pop("probability")
-                later.append(columns)
+                later = _columns(found, _LATER, found["later.status"] != RayStatus.MISSED, **of_ray)
+                later["area"] /= later.pop("probability")
+                columns = {name: np.concatenate([column, later[name]]) for name, column in columns.items()}
+            columns |= {name: columns[name].astype(np.int64) for name in _WHOLE}
+            sets = columns.pop("set_number")
+            yield Paths(**columns, set_number=sets if spp > 1 else None, stone=stone)
             if progress is not None:
                 progress((number + (first + kept) / view.resolution) / spp)
-    columns = {name: np.concatenate([part[name] for part in principal + later]) for name in principal[0]}
-    columns |= {name: columns[name].astype(np.int64) for name in _WHOLE}
-    sets = columns.pop("set_number")
-    return Paths(**columns, set_number=sets if spp > 1 else None, stone=stone)
 
 
 def _trace(scene: Any, ray: Any, sampler: Any) -> dict[str, np.ndarray]:

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import math
 import textwrap
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import gemrender
-from gemrender.observation import Observation, RayStatus
+from gemrender.observation import Observation, RayStatus, View
 from gemrender.report.dimensions import length_unit
 from gemrender.report.lettering import boxes_for_letters, name_fonts, save_png
 from gemrender.report.tables import LEAST_SHOWN, band_name, how_text, model_text
 from gemrender.scoring import BAND_EDGES, Score, score_observation
+from gemrender.stone import Stone
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,9 +27,12 @@ __all__ = [
     "OUTSIDE_COLOUR",
     "REAR_COLOUR",
     "UNSOLVED_COLOUR",
+    "colour_numbers",
     "draw_scales",
     "map_figure",
+    "map_page",
     "map_picture",
+    "picture_of_rows",
     "write_map_figure",
 ]
 
@@ -64,26 +69,51 @@ def map_figure(observation: Observation) -> Figure:
     matplotlib.figure.Figure
         To be saved at its own resolution (`write_map_figure`).
     """
+    figure, panel = map_page([map_picture(observation)], observation.view, observation.stone)
+    _draw_panel(panel, score_observation(observation))
+    return figure
+
+
+def map_page(
+    images: Sequence[np.ndarray], view: View, stone: Stone, captions: Sequence[str] = ()
+) -> tuple[Figure, Axes]:
+    """Lay out maps of a view side by side, with scales and the stone's name, and room for numbers.
+
+    Parameters
+    ----------
+    images : sequence of (n, n, 3) uint8
+        The maps, pixel by pixel, all of one size (`picture_of_rows`).
+    view, stone : View, Stone
+        What they are maps of.
+    captions : sequence of str
+        What to write above each; by default nothing.
+
+    Returns
+    -------
+    figure : matplotlib.figure.Figure
+        The page.
+    panel : matplotlib.axes.Axes
+        What is to the right of the maps, still empty.
+    """
     from matplotlib.figure import Figure
 
-    result = score_observation(observation)
-    image = map_picture(observation)
-    side = image.shape[0]
+    side = images[0].shape[0]
     dpi = side / _MAP
-    width, height = (
-        round(inches * dpi) for inches in (_LEFT + _MAP + _GAP + _PANEL + _RIGHT, _BOTTOM + _MAP + _TOP)
-    )
-    left, bottom = round(_LEFT * dpi), round(_BOTTOM * dpi)
+    maps = len(images) * (_LEFT + _MAP)
+    width, height = (round(inches * dpi) for inches in (maps + _GAP + _PANEL + _RIGHT, _BOTTOM + _MAP + _TOP))
+    bottom = round(_BOTTOM * dpi)
     figure = Figure(figsize=((width + 0.5) / dpi, (height + 0.5) / dpi), dpi=dpi)  # truncated to pixels
-    figure.figimage(image, left, bottom, origin="upper")  # pixel by pixel: an axes would resample
-
-    axes = figure.add_axes((left / width, bottom / height, side / width, side / height), facecolor="none")
-    _draw_axes(axes, observation)
-    panel_left = (_LEFT + _MAP + _GAP) * dpi / width
-    panel = figure.add_axes((panel_left, bottom / height, _PANEL * dpi / width, side / height))
-    _draw_panel(panel, result)
-    _draw_title(figure, result.name, left / width, (bottom + side + 0.22 * dpi) / height)
-    return figure
+    for k, image in enumerate(images):
+        left = round((k * (_LEFT + _MAP) + _LEFT) * dpi)
+        figure.figimage(image, left, bottom, origin="upper")  # pixel by pixel: an axes would resample
+        box = left / width, bottom / height, side / width, side / height
+        axes = figure.add_axes(box, facecolor="none")
+        _draw_axes(axes, view, stone)
+        if captions:
+            axes.set_title(captions[k], loc="right", fontsize=13, color=_GREY)
+    box = (maps + _GAP) * dpi / width, bottom / height, _PANEL * dpi / width, side / height
+    _draw_title(figure, stone.name, round(_LEFT * dpi) / width, (bottom + side + 0.22 * dpi) / height)
+    return figure, figure.add_axes(box)
 
 
 def write_map_figure(observation: Observation, path: Path) -> None:
@@ -94,14 +124,14 @@ def write_map_figure(observation: Observation, path: Path) -> None:
 # ---- The parts of the page -----------------------------------------------------------------------------
 
 
-def _draw_axes(axes: Axes, observation: Observation) -> None:
+def _draw_axes(axes: Axes, view: View, stone: Stone) -> None:
     """Draw a scale to the left of and below the map."""
-    half, resolution = observation.view.half_width, observation.view.resolution
-    tilted = observation.view.tilt_deg != 0
+    half, resolution = view.half_width, view.resolution
+    tilted = view.tilt_deg != 0
     reduction = _reduction(resolution)
     width = 2 * half * -(-resolution // reduction) * reduction / resolution  # with the last pixel's part
     axes.set(xlim=(-half, width - half), ylim=(half - width, half))
-    draw_scales(axes, length_unit(observation.stone), tilted=tilted, font_size=13)
+    draw_scales(axes, length_unit(stone), tilted=tilted, font_size=13)
 
 
 def draw_scales(axes: Axes, unit: str, *, tilted: bool, font_size: float) -> None:
@@ -175,24 +205,36 @@ def _draw_title(figure: Figure, name: str, x: float, y: float) -> None:
 
 
 def map_picture(observation: Observation) -> np.ndarray:
-    """Return the map in colours, (n, n, 3) uint8, n within `MAP_PIXELS`.
+    """Return the map in its colours, as `picture_of_rows` does."""
+    colours = _palette()
+    return picture_of_rows(
+        lambda rows: colours[_colour_index(observation, rows)], observation.view.resolution
+    )
+
+
+def picture_of_rows(colours: Callable[[slice], np.ndarray], resolution: int) -> np.ndarray:
+    """Return a map as a picture, (n, n, 3) uint8, n within `MAP_PIXELS`.
 
     A pixel shows one ray, or the mean colour of a whole number of rays a side.
+
+    Parameters
+    ----------
+    colours : callable
+        Returns the colours of some rows of the map, (m, resolution, 3), 0 to 255.
+    resolution : int
+        Rays a side.
     """
-    resolution = observation.view.resolution
     reduction = _reduction(resolution)
     side = -(-resolution // reduction)
-    palette = _palette()
     image = np.empty((side, side, 3), dtype=np.uint8)
+    outside = int(colour_numbers(OUTSIDE_COLOUR)[0, 0])  # a grey
     for row in range(side):  # row by row: colours take ten times the room of the map
-        rows = _colour_index(observation, slice(row * reduction, (row + 1) * reduction))
-        if reduction == 1:
-            image[row] = palette[rows[0]]
-            continue
-        missing = (0, side * reduction - resolution)
-        rows = np.pad(rows, ((0, reduction - len(rows)), missing), constant_values=len(palette) - 1)
-        blocks = palette[rows].reshape(reduction, side, reduction, 3)
-        image[row] = np.rint(blocks.mean(axis=(0, 2)))
+        rows = colours(slice(row * reduction, (row + 1) * reduction))
+        if reduction > 1:
+            missing = (0, side * reduction - resolution)
+            rows = np.pad(rows, ((0, reduction - len(rows)), missing, (0, 0)), constant_values=outside)
+            rows = rows.reshape(reduction, side, reduction, 3).mean(axis=(0, 2))
+        image[row] = np.rint(rows)
     enlargement = -(-MAP_PIXELS[0] // side)
     return image.repeat(enlargement, axis=0).repeat(enlargement, axis=1)
 
@@ -204,7 +246,11 @@ def _reduction(resolution: int) -> int:
 
 def _palette() -> np.ndarray:
     """Return the colours of bands, rear light, unsolved rays and what lies outside, (9, 3) uint8."""
-    colours = (*BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR, OUTSIDE_COLOUR)
+    return colour_numbers(*BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR, OUTSIDE_COLOUR)
+
+
+def colour_numbers(*colours: str) -> np.ndarray:
+    """Return colours such as "#fde725" as numbers, (n, 3) uint8."""
     return np.array([list(bytes.fromhex(colour[1:])) for colour in colours], dtype=np.uint8)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import math
 import os
 import re
 import tempfile
@@ -17,11 +18,19 @@ import numpy as np
 
 import gemrender
 from gemrender.errors import InputError
+from gemrender.measures.maps import MeasureMaps
 from gemrender.observation import MAP_CHANNELS, Observation
 from gemrender.scoring import score_observation
 from gemrender.writing import write_whole
 
-__all__ = ["check_folder", "file_stems", "prepare_folder", "write_exr", "write_observation"]
+__all__ = [
+    "check_folder",
+    "file_stems",
+    "prepare_folder",
+    "write_exr",
+    "write_measures_exr",
+    "write_observation",
+]
 
 #: Endings of stone files, which the files made from them do not have.
 _ENDING = re.compile(r"\.(toml|csv|asc|gem|gcs|stl|obj|ply|glb|srn)$", re.IGNORECASE)
@@ -129,36 +138,77 @@ def write_exr(observation: Observation, path: Path) -> None:
     material, view, model, score, engine, version, and the facets with their planes. Pixels are row by row
     from the top.
     """
-    import OpenEXR
-
-    channels = {}
+    channels: dict[str, np.ndarray] = {}
     for name, names in MAP_CHANNELS.items():
         values = np.asarray(getattr(observation, name), dtype=np.float32)
         parts = [values] if len(names) == 1 else [values[..., k] for k in range(3)]
-        channels.update({n: np.ascontiguousarray(p) for n, p in zip(names, parts, strict=True)})
+        channels.update(zip(names, parts, strict=True))
+    _write_channels(path, channels, observation, json.dumps(describe(observation)))
+
+
+def write_measures_exr(maps: MeasureMaps, path: Path) -> None:
+    """Write maps of measures as float32 channels such as `aset.green`, with `coverage`, and what they are.
+
+    Per cent, or the measure's own unit. The attributes are those of `write_exr`, but for the paper's score,
+    and `cut`, the kind of cut, and `measures`, the version of each measure by its name (JSON); in the
+    attribute `gemrender`, of each measure version, unit, definition, source and values.
+    """
+    measures = {
+        of.name: {"version": of.version, "unit": of.unit, "definition": of.definition, "source": of.source}
+        | {"values": {key: _number(value) for key, value in maps.values[of.name].items()}}
+        for of in maps.measures
+    }
+    known = _describe_stone(maps) | {"head_deg": maps.head_deg, "measures": measures}
+    _write_channels(
+        path,
+        {"coverage": maps.coverage} | maps.channels(),
+        maps,
+        json.dumps(known | _describe_shape(maps)),
+        cut="" if maps.stone.cut is None else type(maps.stone.cut).__name__,
+        measures=json.dumps({of.name: of.version for of in maps.measures}),
+    )
+
+
+def _write_channels(
+    path: Path, channels: dict[str, np.ndarray], of: Observation | MeasureMaps, known: str, **more: str
+) -> None:
+    import OpenEXR
+
     header = {
         "compression": OpenEXR.ZIP_COMPRESSION,
         "type": OpenEXR.scanlineimage,
-        "gemrender": json.dumps(describe(observation)),
-        "stone": observation.stone.name,
-        "proportions": json.dumps(_proportions(observation)),
-        "engine": f"{observation.engine} {observation.variant}".strip(),
+        "gemrender": known,
+        "stone": of.stone.name,
+        "proportions": json.dumps(_proportions(of)),
+        "engine": f"{of.engine} {of.variant}".strip(),
         "gemrender.version": gemrender.__version__,  # "version" itself is OpenEXR's own, of another type
+        **more,
     }
-    OpenEXR.File(header, channels).write(str(path))
+    contiguous = {name: np.ascontiguousarray(values) for name, values in channels.items()}
+    OpenEXR.File(header, contiguous).write(str(path))
 
 
 def describe(observation: Observation) -> dict[str, Any]:
     """Return all that is known of an observation besides its maps."""
-    stone = observation.stone
+    score = {"score": score_observation(observation).to_dict()}
+    return _describe_stone(observation) | score | _describe_shape(observation)
+
+
+def _describe_stone(of: Observation | MeasureMaps) -> dict[str, Any]:
+    stone = of.stone
     return {
         "stone": stone.name,
-        "proportions": _proportions(observation),
+        "proportions": _proportions(of),
         "vertices": stone.vertices.tolist(),
         "material": stone.material,
-        "view": asdict(observation.view) | {"resolution": int(observation.view.resolution)},
-        "model": asdict(observation.model),
-        "score": score_observation(observation).to_dict(),
+        "view": asdict(of.view) | {"resolution": int(of.view.resolution)},
+        "model": asdict(of.model),
+    }
+
+
+def _describe_shape(of: Observation | MeasureMaps) -> dict[str, Any]:
+    stone = of.stone
+    return {
         "version": gemrender.__version__,
         "facets": [asdict(facet) for facet in stone.facets],
         "planes": stone.solid.planes.tolist(),
@@ -167,6 +217,10 @@ def describe(observation: Observation) -> dict[str, Any]:
     }
 
 
-def _proportions(observation: Observation) -> dict[str, float] | None:
-    proportions = observation.stone.proportions
+def _number(value: float) -> float | None:
+    return None if math.isnan(value) else value
+
+
+def _proportions(of: Observation | MeasureMaps) -> dict[str, float] | None:
+    proportions = of.stone.proportions
     return None if proportions is None else asdict(proportions)

@@ -127,9 +127,9 @@ def _csv(stones: Sequence[Study]) -> dict[str, Any]:
     """Return the lines of the table as the command line prints them."""
     records = []
     for stone in stones:
-        records.append(score_record(stone.score))
-        for of in stone.turned:
-            records.append(score_record(_turned_score(stone.score, of.measures, of.view)))
+        turned = [(of.turn_deg, _turned_score(stone.score, of.measures, of.view)) for of in stone.turned]
+        of_turns = sorted([(0.0, stone.score), *turned], key=lambda of: of[0])
+        records += [score_record(of) for _, of in of_turns]
     head, *lines = csv_lines(records)
     each = [1 + len(stone.turned) for stone in stones]
     starts = [sum(each[:k]) for k in range(len(each))]

@@ -2,26 +2,28 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from gemrender.engines import DEFAULT_HEAD, observe
+from gemrender.engines import DEFAULT_HEAD
 from gemrender.errors import InputError
+from gemrender.mapping import score_and_observation
 from gemrender.measures import Measure, measure_named
 from gemrender.observation import MeasureValues, Observation, View
 from gemrender.report.tables import band_key
-from gemrender.scoring import Score, chosen_or_none, score, score_observation
+from gemrender.scoring import Score, chosen_or_none, score_observation
 from gemrender.stone import Stone
+from gemrender.sweep.tilt import TiltedValues, study_tilt
 
-__all__ = ["MOST_TURNS", "Study", "Turned", "check_turns", "study_stone"]
+__all__ = ["MOST_TURNS", "Study", "Turned", "check_tilts", "study_stone"]
 
 #: Most poses of a page, besides the one straight above.
 MOST_TURNS = 180
 #: Name of the paper's score among the measures.
 _INOUE = "inoue"
-_AXES = {"x": 0.0, "y": 90.0}
+#: Share of the time that the maps take, where there are tilts.
+_MAP_SHARE = 0.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,21 +88,21 @@ def all_measures(of: Score) -> tuple[MeasureValues, ...]:
     return (own, *(other for other in of.measures or () if other.name != _INOUE))
 
 
-def check_turns(to_deg: float, step_deg: float) -> list[float]:
-    """Return the turns up to a largest one [deg], in steps; without 0.
+def check_tilts(to_deg: float, step_deg: float, view_tilt_deg: float = 0.0) -> None:
+    """See that a page can have these tilts: up to a largest one both ways, in steps [deg].
 
     Raises
     ------
     InputError
-        A turn or a step out of range.
+        A tilt or a step out of range, or a view that is tilted itself.
     """
+    if view_tilt_deg:
+        raise InputError("is from straight above, and cannot be given with tilt", key="tilts", value=to_deg)
     if not 0 < to_deg < 90:
         raise InputError("must be above 0 and below 90 [deg]", key="tilts", value=to_deg)
-    if not to_deg / MOST_TURNS <= step_deg <= to_deg:
-        allowed = f"must be from {to_deg / MOST_TURNS:.3g} to {to_deg:g} [deg]"
-        raise InputError(allowed, key="tilt_step", value=step_deg)
-    count = math.floor(to_deg / step_deg * (1.0 + 1e-12))
-    return [round(step_deg * (k + 1), 9) for k in range(count)]
+    least = 2 * to_deg / MOST_TURNS
+    if not least <= step_deg <= to_deg:
+        raise InputError(f"must be from {least:.3g} to {to_deg:g} [deg]", key="tilt_step", value=step_deg)
 
 
 def study_stone(
@@ -108,7 +110,8 @@ def study_stone(
     *,
     measures: str | Measure | Iterable[str | Measure] | None = None,
     head: float = DEFAULT_HEAD,
-    turns: Iterable[float] = (),
+    tilts: float = 0.0,
+    tilt_step: float = 2.0,
     axis: str | float = "x",
     progress: Callable[[float], None] | None = None,
     **options: Any,
@@ -121,8 +124,8 @@ def study_stone(
         The stone.
     measures, head
         As for `gemrender.score`.
-    turns : iterable of float
-        Turns of the stone under the eye and the light, above 0 and below 90 [deg].
+    tilts, tilt_step : float
+        Largest turn of the stone under the eye and the light, both ways, and the step [deg]; 0 for none.
     axis : {"x", "y"} or float
         Level axis that it is turned about, right-handed: by name, or by its azimuth [deg].
     progress : callable, optional
@@ -133,45 +136,51 @@ def study_stone(
     Raises
     ------
     InputError, BackendError
-        As for `gemrender.score`; turns of a view that is tilted itself.
+        As for `gemrender.score`; tilts of a view that is tilted itself.
     """
-    turns = list(turns)
-    if turns and options.get("tilt"):
-        raise InputError("turns are from straight above: the view must not be tilted", key="turns")
+    if tilts:
+        check_tilts(tilts, tilt_step)
+        if options.get("tilt"):
+            raise InputError(
+                "are from straight above, and the view is tilted itself", key="tilts", value=tilts
+            )
     chosen = chosen_or_none(measures)
     tell = progress or (lambda share: None)
-    parts = 1 + len(turns)
-    observation = observe(stone, progress=lambda share: tell(share / parts), **options)
-    found = score_observation(observation)
-    if chosen is not None:
-        found = score(stone, measures=chosen, head=head, **options)
-    azimuth = _AXES[axis] if isinstance(axis, str) else float(axis)
-    turned = []
-    for number, turn in enumerate(turns):
-        turned.append(_turned(stone, turn, azimuth, found, chosen, head=head, **options))
-        tell((number + 2) / parts)
-    study = Study(
+    first = _MAP_SHARE if tilts else 1.0
+    found, observation = score_and_observation(
+        stone, measures=chosen, head=head, progress=lambda share: tell(first * share), **options
+    )
+    turned: tuple[Turned, ...] = ()
+    if tilts:
+        of_view = [of for of in chosen or () if of.views == "one" and of.name != _INOUE]
+        study = study_tilt(
+            stone,
+            measures=[measure_named(_INOUE), *of_view],
+            axis=axis,
+            to_deg=tilts,
+            step_deg=tilt_step,
+            head=head,
+            options={key: value for key, value in options.items() if key not in ("tilt", "tilt_azimuth")},
+            progress=lambda share: tell(first + (1.0 - first) * share),
+        )
+        turned = tuple(_turned(stone, of, found) for of in study.found if of.pose.turn_deg)
+    azimuth = {"x": 0.0, "y": 90.0}[axis] if isinstance(axis, str) else axis
+    return observation, Study(
         score=found,
         view=observation.view,
         definitions=chosen or (),
-        axis=azimuth if turns else None,
-        turned=tuple(turned),
+        axis=float(azimuth) if tilts else None,
+        turned=turned,
     )
-    return observation, study
 
 
-def _turned(
-    stone: Stone,
-    turn: float,
-    axis: float,
-    upright: Score,
-    measures: tuple[Measure, ...] | None,
-    **options: Any,
-) -> Turned:
-    """Measure a stone that is turned; sums over all views stay as they are."""
-    eye = {"tilt": turn, "tilt_azimuth": (axis + 90.0) % 360.0}
-    of_view = None if measures is None else [of for of in measures if of.views == "one"]
-    found = all_measures(score(stone, **{**options, **eye}, measures=of_view or None))
-    known = {of.name: of for of in (*all_measures(upright), *found)}
-    view = View.of(stone, 1, tilt_deg=turn, tilt_azimuth_deg=eye["tilt_azimuth"])
-    return Turned(turn_deg=turn, view=view, measures=tuple(known[of.name] for of in all_measures(upright)))
+def _turned(stone: Stone, found: TiltedValues, upright: Score) -> Turned:
+    """Return what was found of a pose; sums over all views are as they are straight above."""
+    straight = all_measures(upright)
+    known = {of.name: of for of in (*straight, *found.measures)}
+    tilt, azimuth = found.pose.eye
+    return Turned(
+        turn_deg=found.pose.turn_deg,
+        view=View.of(stone, 1, tilt_deg=tilt, tilt_azimuth_deg=azimuth),
+        measures=tuple(known[of.name] for of in straight),
+    )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -24,6 +24,7 @@ __all__ = [
     "crosscheck_record",
     "crosscheck_tables",
     "how_text",
+    "measure_columns",
     "model_text",
     "score_record",
     "score_table",
@@ -260,12 +261,17 @@ def score_record(score: Score, settings: dict[str, Any] | None = None) -> dict[s
     bands = {band_key(b): b.share for b in score.bands}
     how = {key: values.pop(key) for key in ("trapped", "lost", "bound", "engine", "index", "rear_rule")}
     number = None if facets is None else facets["number"]
-    measured = {
+    measured = measure_columns(measures)
+    return {**first, **main, **bands, **how, **values, "facets": number, **last, **measured}
+
+
+def measure_columns(measures: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    """Return measures as JSON has them as one flat record: `iso` for its value, `iso_bound` ..."""
+    return {
         name if key == "value" else f"{name}_{key}": value
         for name, of in measures.items()
         for key, value in of.items()
     }
-    return {**first, **main, **bands, **how, **values, "facets": number, **last, **measured}
 
 
 # ---- Cross-checks --------------------------------------------------------------------------------------

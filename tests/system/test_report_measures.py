@@ -21,13 +21,13 @@ from gemrender.observation import Observation, RayStatus, View, bound_text
 from gemrender.reference import full_paths, observe
 from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR
 from gemrender.report.page import report_html, write_report
-from gemrender.report.studied import Study, all_measures, check_turns, study_stone
+from gemrender.report.studied import Study, all_measures, check_tilts, study_stone
 from gemrender.report.tables import score_record
 from gemrender.scoring import BAND_EDGES, score
 
 #: Pixels a side of the maps, and of the map that a tilted one is compared with.
 RESOLUTION, COMPARED = 128, 96
-TURNS = (5.0, 10.0)
+TURNS = (-10.0, -5.0, 0.0, 5.0, 10.0)
 MEASURES = "iso,window,wlr-like"
 #: Away from the edges of virtual facets maps agree, but where the ray is drawn: at this share of points.
 ALIKE_SHARE = 0.9
@@ -41,9 +41,18 @@ PATIENCE = 100
 
 @pytest.fixture(scope="module")
 def studied() -> list[tuple[Observation, Study]]:
+    asked = {"engine": "exact", "resolution": RESOLUTION, "measures": MEASURES}
+    asked |= {"tilts": 10.0, "tilt_step": 5.0}
     return [
-        study_stone(load_stone(name), engine="exact", resolution=RESOLUTION, measures=MEASURES, turns=turns)
-        for name, turns in (("inoue-3", TURNS), ("inoue-1", TURNS))
+        study_stone(
+            load_stone(name),
+            engine="exact",
+            resolution=RESOLUTION,
+            measures=MEASURES,
+            tilts=10.0,
+            tilt_step=5.0,
+        )
+        for name in ("inoue-3", "inoue-1")
     ]
 
 
@@ -156,14 +165,14 @@ def test_the_csv_is_the_command_lines_with_all_tilts(seen, studied):
     text = Path(download.value.path()).read_text(encoding="utf-8")
     rows = list(csv.DictReader(io.StringIO(text, newline="")))
     assert [(row["name"], float(row["tilt_deg"])) for row in rows] == [
-        (name, turn) for name in ("Inoue sample 3", "Inoue sample 1") for turn in (0.0, *TURNS)
+        (name, abs(turn)) for name in ("Inoue sample 3", "Inoue sample 1") for turn in TURNS
     ]
     record = score_record(studied[1][1].score)
     assert list(rows[0]) == list(record)
-    assert [float(rows[3][key]) for key in ("average", "iso", "iso_bound")] == [
+    assert [float(rows[7][key]) for key in ("average", "iso", "iso_bound")] == [
         record[key] for key in ("average", "iso", "iso_bound")
     ]
-    assert float(rows[5]["iso"]) == numbers(studied[1][1], 10.0)["iso"][0]
+    assert float(rows[9]["iso"]) == numbers(studied[1][1], 10.0)["iso"][0]
 
 
 def test_a_definition_is_one_click_away(seen):
@@ -348,8 +357,8 @@ def test_score_curve_map_and_ray_move_with_the_tilt(seen, studied):
     plot = seen.page.locator("#curve svg[role=img]")
     plot.scroll_into_view_if_needed()
     box = plot.bounding_box()
-    seen.page.mouse.click(box["x"] + 0.48 * box["width"], box["y"] + 60)
-    assert seen.page.locator("#scores output").inner_text() == "5°"
+    seen.page.mouse.click(box["x"] + 0.55 * box["width"], box["y"] + 60)
+    assert seen.page.locator("#scores output").inner_text() == "0°"
 
 
 # ---- What the page is told -----------------------------------------------------------------------------
@@ -371,15 +380,10 @@ def test_the_scores_own_values_come_first_and_once():
     assert [of.name for of in others] == ["window"]
 
 
-@pytest.mark.parametrize(("to", "step", "turns"), [(30, 10, [10, 20, 30]), (1, 0.3, [0.3, 0.6, 0.9])])
-def test_turns_go_in_steps(to, step, turns):
-    assert check_turns(to, step) == turns
-
-
 @pytest.mark.parametrize(("to", "step"), [(90, 1), (-1, 1), (30, 0), (30, 31), (30, 0.1)])
-def test_turns_out_of_range_are_refused(to, step):
+def test_tilts_out_of_range_are_refused(to, step):
     with pytest.raises(InputError, match="must be"):
-        check_turns(to, step)
+        check_tilts(to, step)
 
 
 def test_stones_of_a_page_have_the_same_measures(studied):
@@ -395,21 +399,21 @@ def test_the_command(gemrender, tmp_path):
     status, _, err = gemrender(*asked, "--measures", "iso", "--head", "20", *tilts)
     assert status == 0, err
     table = page_data(out.read_text(encoding="utf-8"))["table"]
-    assert (table["turns"], table["axis"]) == ([0, 10, 20], "y")
+    assert (table["turns"], table["axis"]) == ([-20, -10, 0, 10, 20], "y")
     column = [column["key"] for column in table["columns"]].index("iso")
     for turn, values in zip(table["turns"], table["values"][0], strict=True):
         wanted = score(
-            load_stone("inoue-3"), engine="reference", resolution=16, measures="iso", head=20.0, tilt=turn,
-            tilt_azimuth=180.0,
+            load_stone("inoue-3"), engine="reference", resolution=16, measures="iso", head=20.0,
+            tilt=abs(turn), tilt_azimuth=180.0 if turn > 0 else 0.0,
         )  # fmt: skip
         assert values[column] == wanted.measures[0].values["value"]
     for more, words in (
         (
             ["--tilts", "10", "--tilt", "5"],
-            "--tilts: turns stones from straight above, and",
+            "--tilts = 10.0: is from straight above, and cannot be given with tilt",
         ),
         (["--tilts", "95"], "--tilts = 95.0: must be above 0 and below 90 [deg]"),
-        (["--tilts", "20", "--tilt-step", "30"], "--tilt-step = 30.0: must be from 0.111 to 20 [deg]"),
+        (["--tilts", "20", "--tilt-step", "30"], "--tilt-step = 30.0: must be from 0.222 to 20 [deg]"),
         (["--measures", "isi"], "--measures = 'isi': must be one of"),
     ):
         status, _, err = gemrender(*asked, *more)

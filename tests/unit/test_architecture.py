@@ -36,6 +36,7 @@ LAYERS: list[dict[str, set[str]]] = [
     {"render": {"numpy", "numba", "mitsuba", "drjit", "colour", "OpenEXR", "PIL", "av", "mitsuba_oidn"}},
     {"engines": {"numpy"}},
     {"scoring": {"numpy"}},
+    {"mapping": {"numpy"}},
     {"crosscheck": {"numpy"}, "stereo": {"numpy"}},
     {"sweep": {"numpy", "drjit"}},
     {"report": {"numpy", "matplotlib", "mpl_toolkits", "rich", "OpenEXR", "colour"}},

@@ -36,6 +36,7 @@ PRINTING = {
     "score": ["score", "inoue-3", *FAST],
     "compare": ["compare", "inoue-3", *FAST],
     "symmetry": ["symmetry", "inoue-3", "--draws", "1", *FAST],
+    "tilt": ["tilt", "inoue-3", "--to", "1"],
     "sensitivity": ["sensitivity", "inoue-3", "--derivative-bound", "10"],
     "stones": ["stones"],
     "setups": ["setups"],
@@ -78,8 +79,8 @@ def test_csv_has_every_digit_of_json(gemrender):
 
 
 COMMANDS = (
-    "score", "compare", "sensitivity", "show", "report", "render", "symmetry", "crosscheck", "scene",
-    "stones", "setups", "materials", "measures", "doctor",
+    "score", "compare", "sensitivity", "show", "report", "render", "symmetry", "tilt", "crosscheck",
+    "scene", "stones", "setups", "materials", "measures", "doctor",
 )  # fmt: skip
 
 # ---- Widths ----------------------------------------------------------------------------------------------

@@ -22,6 +22,7 @@ COMMANDS = {
     "compare": ["compare", "inoue-3", *FAST],
     "sensitivity": ["sensitivity", "inoue-3", "--derivative-bound", "10"],
     "symmetry": ["symmetry", "inoue-3", "--draws", "2", *FAST],
+    "tilt": ["tilt", "inoue-3", "--to", "5", "--step", "5", "--measures", "inoue,iso"],
     "crosscheck": ["crosscheck", "inoue-3", "--resolution", "16"],
     "stones": ["stones"],
     "setups": ["setups"],
@@ -100,6 +101,7 @@ FILES = {
         ["symmetry", "inoue-3", "--draws", "1", *FAST],
         {"inoue-3-symmetry.jsonl", "inoue-3-symmetry.png"},
     ),
+    "tilt": (["tilt", "inoue-3", "--to", "1"], {"inoue-3-tilt.jsonl", "inoue-3-tilt.png"}),
     "sensitivity": (["sensitivity", "inoue-3", "--derivative-bound", "10"], {"inoue-3-sensitivity.png"}),
     "scene": (["scene", "inoue-3", "--resolution", "16"], {"inoue-3.xml", "inoue-3.ply"}),
 }

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from gemrender.observation import Observation
 
-__all__ = ["DISPLAYS", "FORMATS", "draw", "write_display"]
+__all__ = ["DISPLAYS", "FORMATS", "draw", "save_figure", "write_display"]
 
 #: What can be shown.
 DISPLAYS = ("outline", "vertices", "shape", "triangles", "rays", "fan", "map", "facets")
@@ -137,15 +137,16 @@ def write_display(
     title = f"{stone.name}: {display}"
     return write_whole(
         Path(folder),
-        {f"{stem}-{display}.{ending}": lambda path: _save(figure, path, title) for ending in endings},
+        {f"{stem}-{display}.{ending}": lambda path: save_figure(figure, path, title) for ending in endings},
     )
 
 
-def _save(figure: Figure, path: Path, title: str) -> None:
+def save_figure(figure: Figure, path: Path, title: str) -> None:
+    """Save a figure in the format that its file's ending says; the same picture is the same file."""
     from matplotlib import rc_context
 
     ending = path.suffix[1:]
-    # The same picture is the same file: without the date.
+    # Without the date.
     dates: dict[str, dict[str, None]] = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
     metadata = {"Title": title, **dates[ending]}
     # Letters look alike everywhere: as shapes, or with their font (as TrueType, which journals ask for).

@@ -1,0 +1,410 @@
+"""What a tilt does to a stone's light: measures over its poses, as curves about axes or as a surface."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import math
+import os
+from collections.abc import Callable, Generator, Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gemrender.engines import (
+    DEFAULT_ENGINE,
+    DEFAULT_HEAD,
+    DEFAULT_VARIANT,
+    check_head,
+    engine_for,
+    require_engine,
+)
+from gemrender.errors import InputError
+from gemrender.journal import Journal
+from gemrender.measures import Measure, chosen_measures
+from gemrender.observation import MeasureValues
+from gemrender.stone import Stone
+from gemrender.stone.symmetry import NONE, Symmetry
+from gemrender.sweep.poses import Pose, alike, tilt_poses
+from gemrender.sweep.workers import LostProcessError, in_processes
+
+__all__ = ["DEFAULT_TILT_BOUND", "Tie", "TiltStudy", "TiltedValues", "study_tilt", "tilt_measures"]
+
+#: Error bound of exact values unless another is asked for [%].
+DEFAULT_TILT_BOUND = 0.1
+#: Up to so many poses the exact engine is shared out to threads: processes take longer to start than that.
+_FEW = 200
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TiltedValues:
+    """What measures say of one pose.
+
+    Attributes
+    ----------
+    pose : Pose
+        The pose.
+    measures : tuple of MeasureValues
+        Values and bound of each measure.
+    notes : tuple of str
+        What was asked for and not reached, in words.
+    """
+
+    pose: Pose
+    measures: tuple[MeasureValues, ...]
+    notes: tuple[str, ...] = ()
+
+    def value(self, measure: str, key: str) -> float:
+        """Return a value, or a detail that is a number; NaN where it is not defined or not known."""
+        of = next(of for of in self.measures if of.name == measure)
+        return float((of.values | of.details).get(key, math.nan))
+
+    def bound(self, measure: str) -> float:
+        """Return the bound of a measure's values; NaN where it is not known."""
+        bound = next(of.bound for of in self.measures if of.name == measure)
+        return math.nan if bound is None else bound
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tie:
+    """Light that comes exactly from a limit of a measure's zones at a pose: there it jumps by as much.
+
+    Attributes
+    ----------
+    pose : Pose
+        The pose.
+    measure, key : str
+        The measure, and the value's name.
+    amount : float
+        How much is tied, in the measure's unit.
+    """
+
+    pose: Pose
+    measure: str
+    key: str
+    amount: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TiltStudy:
+    """Measures of a stone over its poses.
+
+    Attributes
+    ----------
+    name : str
+        The stone's name.
+    axis : str or float
+        What it was turned about, as `study_tilt` takes it.
+    measures : tuple of Measure
+        What was measured.
+    head_deg : float
+        Half the angle at which the viewer's head is seen from the stone [deg].
+    engine : str
+        What traced it.
+    found : tuple of TiltedValues
+        What was found, pose by pose; turns ascend about each axis.
+    """
+
+    name: str
+    axis: str | float
+    measures: tuple[Measure, ...]
+    head_deg: float
+    engine: str
+    found: tuple[TiltedValues, ...]
+
+    @property
+    def is_surface(self) -> bool:
+        """Whether it is of all tilts up to one, and not of turns about axes."""
+        return self.axis == "surface"
+
+    def curves(self) -> dict[float, tuple[TiltedValues, ...]]:
+        """Return the poses about each axis, by its azimuth [deg]."""
+        curves: dict[float, list[TiltedValues]] = {}
+        for found in self.found:
+            curves.setdefault(found.pose.axis_deg, []).append(found)
+        return {axis: tuple(along) for axis, along in curves.items()}
+
+    def values(self, measure: str, key: str) -> np.ndarray:
+        """Return a value over all poses, (n,) float64; NaN where it is not defined or not known."""
+        return np.array([found.value(measure, key) for found in self.found])
+
+    def ties(self) -> tuple[Tie, ...]:
+        """Return where light is tied, pose by pose."""
+        return tuple(
+            Tie(pose=found.pose, measure=of.name, key=key, amount=value)
+            for found in self.found
+            for of in found.measures
+            for key, value in of.values.items()
+            if (key == "tied" or key.endswith("_tied")) and value > 0
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the study for JSON: its poses, each with its measures, and its ties."""
+        return {
+            "name": self.name,
+            "axis": self.axis,
+            "head_deg": self.head_deg,
+            "engine": self.engine,
+            "poses": [
+                {
+                    **_pose_values(found.pose),
+                    "measures": {of.name: of.to_dict() for of in found.measures},
+                    "notes": list(found.notes),
+                }
+                for found in self.found
+            ],
+            "ties": [
+                {**_pose_values(tie.pose), "measure": tie.measure, "key": tie.key, "amount": tie.amount}
+                for tie in self.ties()
+            ],
+        }
+
+
+def _pose_values(pose: Pose) -> dict[str, float]:
+    tilt, azimuth = pose.eye
+    return {
+        "axis_deg": pose.axis_deg,
+        "turn_deg": pose.turn_deg,
+        "tilt_deg": tilt,
+        "tilt_azimuth_deg": azimuth,
+    }
+
+
+def tilt_measures(chosen: str | Measure | Iterable[str | Measure] = "inoue") -> tuple[Measure, ...]:
+    """Return the measures that were asked for, as `chosen_measures`; of `all` those of a single view.
+
+    Raises
+    ------
+    InputError
+        None at all, an unknown name, or a measure that is a sum over views.
+    """
+    measures = chosen_measures(chosen)
+    if chosen == "all":
+        return tuple(of for of in measures if of.views == "one")
+    for of in measures:
+        if of.views != "one":
+            raise InputError(
+                f"{of.name} is a sum over all views and has no tilt", key="measures", value=of.name
+            )
+    return measures
+
+
+def study_tilt(
+    stone: Stone,
+    *,
+    measures: str | Measure | Iterable[str | Measure] = "inoue",
+    axis: str | float = "x",
+    to_deg: float = 30.0,
+    step_deg: float = 1.0,
+    head: float = DEFAULT_HEAD,
+    options: dict[str, Any] | None = None,
+    journal: Path | None = None,
+    processes: int | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> TiltStudy:
+    """Measure a stone in many poses, on all processors.
+
+    A pose that a symmetry of the stone makes of another one is not traced: it has the other one's values.
+    The sky and the head of measures stay with the viewer, the rules of the paper's score with the stone.
+
+    Parameters
+    ----------
+    stone : Stone
+        The stone.
+    measures : str, Measure, or iterable of them
+        What to measure: names, several with commas between them, `all`, or measures of your own.
+    axis : {"x", "y", "both", "surface"} or float
+        What to turn about: an axis, given by its azimuth [deg] if it is neither x nor y, from -`to_deg` to
+        `to_deg`; or every level axis, for a surface over all tilts up to `to_deg`.
+    to_deg, step_deg : float
+        Largest tilt, above 0 and below 90, and the step [deg].
+    head : float
+        Half the angle at which the viewer's head is seen from the stone, 0 to below 90 [deg].
+    options : dict, optional
+        Further arguments of `gemrender.score`: engine, bound (by default 0.1), resolution (256) ...
+    journal : Path, optional
+        File that every pose is added to when it is known; a study that was stopped, however that came about,
+        goes on from it, and so does one with other poses (`gemrender.journal.Journal`).
+    processes : int, optional
+        Processes to use, or threads where the exact engine has few poses to trace; by default one a
+        processor.
+    progress : callable, optional
+        Called with the share done, 0 to 1.
+
+    Raises
+    ------
+    InputError
+        A value out of range, a measure that there is not or that has no tilt, or a journal that is of another
+        study or in use.
+    LostProcessError
+        Processes were lost again and again, as where memory runs out; what is in the journal is kept.
+    """
+    chosen = tilt_measures(measures)
+    options = {"bound": DEFAULT_TILT_BOUND, "resolution": 256, **(options or {})}
+    used = engine_for(options.get("engine", DEFAULT_ENGINE), stone)
+    # A measure that sees a turn about the eye's direction tells symmetric poses apart.
+    symmetry = stone.symmetry if all(of.is_axial for of in chosen) else NONE
+    poses = tilt_poses(axis, to_deg, step_deg, stone.symmetry)
+    traced: dict[tuple[float, float], Pose] = {}
+    for pose in poses:
+        traced.setdefault(alike(symmetry, pose), pose)
+    work = partial(_trace, stone, chosen, check_head(head), options)
+    with contextlib.ExitStack() as stack:
+        kept = None
+        if journal is not None:
+            entry = partial(_entry, chosen, symmetry)
+            kept = stack.enter_context(
+                Journal(journal, _head(stone, chosen, head, options), entry, work="study")
+            )
+        known: dict[tuple[float, float], _Found] = {} if kept is None else dict(kept.known)
+        missing = [pose for key, pose in traced.items() if key not in known]
+        try:
+            by_threads = used == "exact" and len(missing) <= _FEW
+            results = _spread(work, missing, processes, by_threads=by_threads)
+            for pose, found in stack.enter_context(contextlib.closing(results)):
+                known[alike(symmetry, pose)] = found
+                if kept is not None:
+                    kept.add(*_line(pose, found))
+                if progress is not None:
+                    progress(len(known.keys() & traced.keys()) / len(traced))
+        except LostProcessError as error:
+            done = "" if kept is None else f"; what is done is kept in {journal}"
+            raise LostProcessError(f"{error}{done}") from error
+    return TiltStudy(
+        name=stone.name,
+        axis=axis,
+        measures=chosen,
+        head_deg=float(head),
+        engine=used,
+        found=tuple(
+            TiltedValues(pose=pose, measures=known[key][0], notes=known[key][1])
+            for pose in poses
+            for key in [alike(symmetry, pose)]
+        ),
+    )
+
+
+# ---- Tracing -------------------------------------------------------------------------------------------
+
+#: What is found of a pose: values of measures, and notes.
+_Found = tuple[tuple[MeasureValues, ...], tuple[str, ...]]
+
+
+def _spread(
+    work: Callable[[int | None, Pose], tuple[Pose, _Found]],
+    poses: Sequence[Pose],
+    processes: int | None,
+    *,
+    by_threads: bool,
+) -> Generator[tuple[Pose, _Found], None, None]:
+    """Trace poses, in any order: by threads, which the exact engine's kernels let run, or by processes."""
+    count = min(processes or os.cpu_count() or 1, len(poses))
+    poses = sorted(poses, key=lambda pose: -abs(pose.turn_deg))  # the most tilted take longest
+    if count <= 1:
+        for pose in poses:
+            yield work(None, pose)
+    elif by_threads:
+        pool = ThreadPoolExecutor(count)
+        try:
+            for done in as_completed([pool.submit(work, None, pose) for pose in poses]):
+                yield done.result()
+        finally:
+            pool.shutdown(cancel_futures=True)
+    else:
+        threads = max(1, (os.cpu_count() or 1) // count)  # each with its share of the processors
+        with contextlib.closing(in_processes(partial(work, threads), poses, count)) as results:
+            yield from results
+
+
+def _trace(
+    stone: Stone,
+    measures: tuple[Measure, ...],
+    head: float,
+    options: dict[str, Any],
+    threads: int | None,
+    pose: Pose,
+) -> tuple[Pose, _Found]:
+    from gemrender.scoring import score
+
+    if threads is not None and engine_for(options.get("engine", DEFAULT_ENGINE), stone) == "mitsuba":
+        require_engine("mitsuba", options.get("variant", DEFAULT_VARIANT))
+        import drjit as dr
+
+        dr.set_thread_count(threads)
+    tilt, azimuth = pose.eye
+    found = score(stone, measures=measures, head=head, **{**options, "tilt": tilt, "tilt_azimuth": azimuth})
+    return pose, (found.measures or (), found.notes)
+
+
+# ---- The journal ---------------------------------------------------------------------------------------
+
+
+def _head(
+    stone: Stone, measures: tuple[Measure, ...], head: float, options: dict[str, Any]
+) -> dict[str, Any]:
+    """Return all that a pose's values depend on, but the pose."""
+    solid = stone.solid
+    digest = hashlib.sha256(repr((stone.facets, solid.is_round)).encode())
+    for part in (solid.planes, solid.facet, *([] if stone.is_convex else [solid.vertices])):
+        digest.update(np.ascontiguousarray(part).tobytes())
+    return {
+        "tilted": stone.name,
+        "solid": digest.hexdigest(),
+        "material": stone.material,
+        "measures": [[of.name, of.version] for of in measures],
+        "head_deg": float(head),
+        "options": {
+            key: value
+            for key, value in {**options, "rear": options.get("rear") or stone.rear_rule}.items()
+            if key not in ("tilt", "tilt_azimuth")
+        },
+    }
+
+
+def _line(pose: Pose, found: _Found) -> list[Any]:
+    """Return a pose and what was found as an entry of a journal; null stands for what is not defined."""
+    measures, notes = found
+    told = [
+        [[None if math.isnan(value) else value for value in of.values.values()], of.bound, of.details]
+        for of in measures
+    ]
+    return [pose.axis_deg, pose.turn_deg, told, list(notes)]
+
+
+def _entry(
+    measures: tuple[Measure, ...], symmetry: Symmetry, line: Any
+) -> tuple[tuple[float, float], _Found]:
+    """Return an entry's key and what was found; ValueError or TypeError if it is none."""
+    axis, turn, told, notes = line
+    if not (_is_number(axis) and _is_number(turn) and abs(turn) < 90):
+        raise ValueError("is no pose")
+    if not isinstance(notes, list) or not all(isinstance(words, str) for words in notes):
+        raise TypeError("are no notes")
+    values = []
+    for of, (numbers, bound, details) in zip(measures, told, strict=True):
+        if not all(number is None or _is_number(number) for number in (*numbers, bound)):
+            raise TypeError("are no values")
+        if not isinstance(details, dict) or set(details) - set(of.detail_keys):
+            raise TypeError("are no details")
+        values.append(
+            MeasureValues(
+                name=of.name,
+                version=of.version,
+                values={
+                    key: math.nan if number is None else float(number)
+                    for key, number in zip(of.keys, numbers, strict=True)
+                },
+                bound=bound,
+                details=details,
+            )
+        )
+    pose = Pose(axis_deg=float(axis), turn_deg=float(turn))
+    return alike(symmetry, pose), (tuple(values), tuple(notes))
+
+
+def _is_number(value: Any) -> bool:
+    return type(value) in (int, float)
