@@ -33,6 +33,8 @@ MEASURES = "iso,window,wlr-like"
 ALIKE_SHARE = 0.9
 #: Intensities on the same path [%].
 SAME_PERCENT = 1e-6
+#: Poses that are images of each other, seen by few rays [%].
+ROUNDING = 1e-9
 #: What is drawn is looked at after the next frames [ms].
 FRAMES = 150
 #: So many times the map of a tilted stone is looked at until it is there.
@@ -406,7 +408,8 @@ def test_the_command(gemrender, tmp_path):
             load_stone("inoue-3"), engine="reference", resolution=16, measures="iso", head=20.0,
             tilt=abs(turn), tilt_azimuth=180.0 if turn > 0 else 0.0,
         )  # fmt: skip
-        assert values[column] == wanted.measures[0].values["value"]
+        # Poses that symmetry makes of each other are traced once.
+        assert values[column] == pytest.approx(wanted.measures[0].values["value"], abs=ROUNDING)
     for more, words in (
         (
             ["--tilts", "10", "--tilt", "5"],
