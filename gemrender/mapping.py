@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from gemrender.paths import Paths
     from gemrender.stone import Stone
 
-__all__ = ["measure_maps", "score_with_maps"]
+__all__ = ["measure_maps", "score_and_observation", "score_with_maps"]
 
 #: Rays that the reference follows at a time: each has some ten paths.
 _REFERENCE_RAYS = 1 << 16
@@ -121,6 +121,23 @@ def _reference_paths(
             progress(min((first + rows) / view.resolution, 1.0))
 
 
+def score_and_observation(
+    stone: Stone,
+    *,
+    measures: str | Measure | Iterable[str | Measure] | None = None,
+    head: float = DEFAULT_HEAD,
+    **options: Any,
+) -> tuple[Score, Observation]:
+    """Score a stone as `score` does, and return its observation too; parameters and errors as there."""
+    chosen = chosen_or_none(measures)
+    engine = options.get("engine", DEFAULT_ENGINE)
+    observation = observe(stone, measures=chosen or (), head=head, **options)
+    found = score_observation(observation)
+    if chosen is not None and engine_for(engine, stone) != "exact":
+        found = add_measures(found, stone, engine, chosen, head, options)
+    return found, observation
+
+
 def score_with_maps(
     stone: Stone,
     *,
@@ -143,13 +160,9 @@ def score_with_maps(
     from gemrender.measures.maps import has_map
 
     chosen = chosen_or_none(measures)
-    engine = options.get("engine", DEFAULT_ENGINE)
-    observation = observe(stone, measures=chosen or (), head=head, **options)
-    found = score_observation(observation)
+    found, observation = score_and_observation(stone, measures=chosen, head=head, **options)
     if chosen is None:
         return found, observation, None
-    if engine_for(engine, stone) != "exact":
-        found = add_measures(found, stone, engine, chosen, head, options)
     mapped = [of for of in chosen if has_map(of)]
     of_maps = {key: value for key, value in options.items() if key != "bound"}
     maps = measure_maps(stone, measures=mapped, head=head, **of_maps) if mapped else None

@@ -6,6 +6,7 @@ import numpy as np
 
 from gemrender.cuts import load_stone, stone_from_vertices
 from gemrender.report.displays.labels import text_boxes
+from gemrender.report.lettering import boxes_for_letters
 from gemrender.stone import Stone
 
 
@@ -40,3 +41,21 @@ def overlaps(figure) -> list[tuple[str, str]]:
         for other, b in found[:i]
         if (a[:2] < b[2:]).all() and (b[:2] < a[2:]).all()
     ]
+
+
+def assert_within(figure):
+    """No text may be cut by the edge of the page."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.text import Text
+
+    canvas = FigureCanvasAgg(figure)
+    with boxes_for_letters():
+        canvas.draw()  # which puts the labels of the axes in their place
+    renderer = canvas.get_renderer()
+    for text in figure.findobj(Text):
+        if text.get_text() and text.get_visible():
+            box = text.get_window_extent(renderer)
+            assert figure.bbox.x0 <= box.x0, text
+            assert figure.bbox.y0 <= box.y0, text
+            assert box.x1 <= figure.bbox.x1, text
+            assert box.y1 <= figure.bbox.y1, text

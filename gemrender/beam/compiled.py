@@ -12,6 +12,7 @@ from __future__ import annotations
 import cmath
 import contextlib
 import math
+import threading
 from collections.abc import Callable
 from typing import Any
 
@@ -28,6 +29,8 @@ __all__ = ["STEP", "jit", "jit_fast", "jit_inner", "real", "root"]
 STEP = 1e-30
 
 _INNER = {"no_cpython_wrapper": True}
+#: Who compiles or loads a kernel: numba fails where two threads find out what one kernel calls.
+_COMPILING = threading.RLock()
 
 
 def _prefer_wide_vectors() -> None:
@@ -64,6 +67,13 @@ def jit_fast(function: Callable[..., Any]) -> Any:
 
 def _compile(function: Callable[..., Any], **more: Any) -> Any:
     kernel = numba.njit(nogil=True, error_model="numpy", no_cfunc_wrapper=True, **more)(function)
+    compiles = kernel._compile_for_args
+
+    def one_at_a_time(*arguments: Any, **keywords: Any) -> Any:
+        with _COMPILING:
+            return compiles(*arguments, **keywords)
+
+    kernel._compile_for_args = one_at_a_time
     with contextlib.suppress(RuntimeError, OSError):  # no folder that a cache can be written to
         kernel._cache = KernelCache(function)
     return kernel

@@ -32,6 +32,10 @@ _ASIDE = np.array([0.7548776662e-9, 0.5698402910e-9])
 #: All light is followed by polygons down to this share of a pixel (area times weight), but at the most to the
 #: second share of the view; by rays from there. What rays are left with is what single pixels scatter by.
 _LEAST_OF_PIXEL, _LEAST = 0.2, 1e-5
+#: The golden ratio as a fraction of 2^64: states of random numbers that are multiples of it apart.
+_ODD = np.uint64(0x9E3779B97F4A7C15)
+#: One ray for so much of a pixel's light that is in its cell, but no more than so many.
+_LIGHT_OF_RAY, _MOST_RAYS = 0.03, 16
 #: What polygons may leave untold of a pixel's light: rounding.
 _ROUNDING = 1e-9
 
@@ -51,8 +55,8 @@ def measure_maps(
 
     All of a pixel's light is accounted for: each polygon adds what its path does to the pixels whose centres
     it holds. From where polygons end, in a cell of light that has been reflected in part, one random ray goes
-    on at the pixel's place; and a pixel whose polygons do not tell all of its light, such as one near a round
-    girdle, has a ray of its own from the eye.
+    on at the pixel's place, or several where much light is left. A pixel whose polygons do not tell all of
+    its light, such as one near a round girdle, has a ray of its own from the eye.
 
     Parameters
     ----------
@@ -122,11 +126,12 @@ class _Blocks:
         self._cell[cells] = np.arange(len(cells))
         of_cells = self._shown[cells]
         self._maps, self._starts = facets.exit_map[of_cells], cell_starts(facets, of_cells)
-        #: Share of a pixel's light that each tells.
+        # Share of a pixel's light that each tells.
         self._told = light.is_principal.astype(np.float64)
         if builder.follows_all:
             told = self._told * light.surface_reflectance
             self._told = told + np.where(light.is_exit, light.share, light.arriving)
+        self._rays = np.clip(np.ceil(self._told[cells] / _LIGHT_OF_RAY), 1, _MOST_RAYS).astype(np.int64)
 
     def block(self, first_row: int, rows: int) -> tuple[np.ndarray, np.ndarray]:
         """Return what light adds to the pixels of some rows, (n, n_channels), and which met the stone, (n,).
@@ -152,23 +157,25 @@ class _Blocks:
         rays = empty_rays(len(alone), random[alone] if len(random) else None)
         solid, facet, index = self._convex.solid, self._convex.facet, self._builder.model.index
         enter_rays(points[alone], view.basis(), solid, facet, index, rays)
-        self._follow(rays, alone, sums)
+        self._follow(rays, alone, np.ones(len(alone)), sums)
         covered = np.ones(n, dtype=bool)
         covered[alone] = rays.facts[0, : len(alone)] != RayStatus.MISSED
 
-        inside = np.flatnonzero(cell >= 0)
-        if len(inside):
-            of = cell[inside]
-            self._follow(
-                cell_rays(self._starts, self._maps, of, points[inside], random[inside]), inside, sums
-            )
+        pixel, aside = np.flatnonzero(cell >= 0), np.arange(_MOST_RAYS, dtype=np.uint64) * _ODD
+        for k in range(_MOST_RAYS):  # of each pixel one after the other
+            pixel = pixel[self._rays[cell[pixel]] > k]
+            if not len(pixel):
+                break
+            of, states = cell[pixel], (random[pixel] + aside[k]) | np.uint64(1)
+            rays = cell_rays(self._starts, self._maps, of, points[pixel], states)
+            self._follow(rays, pixel, 1.0 / self._rays[of], sums)
         return sums, covered
 
-    def _follow(self, rays: Rays, pixel: np.ndarray, sums: np.ndarray) -> None:
-        """Follow a ray for each of some pixels (m,), and add what it finds to their sums."""
+    def _follow(self, rays: Rays, pixel: np.ndarray, area: np.ndarray, sums: np.ndarray) -> None:
+        """Follow a ray for each of some pixels (m,), and add what it finds to their sums, times area (m,)."""
         convex, model, n = self._convex, self._builder.model, len(pixel)
         follow_rays(convex.solid, convex.facet, model.index, model.max_reflections, rays)
-        paths = ray_paths(rays, convex.facet, np.ones(n), convex.stone)
+        paths = ray_paths(rays, convex.facet, area, convex.stone)
         for first in range(0, len(paths), max(n, 1)):  # of each ray one path, and then its later exit
             met = np.flatnonzero(paths.status[first : first + n] != RayStatus.MISSED)
             some = paths.rows(first + met)

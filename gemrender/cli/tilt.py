@@ -88,7 +88,8 @@ def tilt(
         str | None,
         typer.Option(
             metavar="FILE",
-            help="Write a film of the map and the curves, of one stone about one axis: .mp4, .gif or .webp.",
+            help="Write a film of one stone about one axis: the map of the first measure, and curves; "
+            ".mp4, .gif or .webp.",
             rich_help_panel=OUTPUT,
         ),
     ] = None,

@@ -15,7 +15,7 @@ from gemrender.observation import Observation, RayStatus
 from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR, map_picture
 from gemrender.report.formats import format_csv, format_json, format_markdown
 from gemrender.report.lettering import name_fonts, save_png
-from gemrender.report.tables import band_name, how_text, model_text, score_record, score_table
+from gemrender.report.tables import band_name, how_text, model_text, score_record, score_tables, value_text
 from gemrender.scoring import Score, score_observation
 from gemrender.writing import write_whole
 
@@ -39,19 +39,30 @@ MOST_PIXELS = 60_000
 #: Pixels a side that a map is kept at for the figure.
 PANEL_PIXELS = 400
 
+#: Most values of further measures beside the bars, and the width of each [inches].
+MOST_VALUES, VALUE_WIDTH = 4, 0.8
+
 _INK, _GREY = "#222222", "#666666"
 
 #: A stone in a comparison: its scores and its map, small, (n, n, 3) uint8.
 Panel = tuple[Score, np.ndarray]
 
 
-def panel(observation: Observation) -> Panel:
-    """Return what a comparison keeps of an observation, so that many need little memory."""
+def panel(observation: Observation, result: Score | None = None) -> Panel:
+    """Return what a comparison keeps of an observation, so that many need little memory.
+
+    Parameters
+    ----------
+    observation : Observation
+        The maps.
+    result : Score, optional
+        The stone's score, such as one with further measures; by default that of the observation.
+    """
     picture = map_picture(observation)
     step = max(1, len(picture) // PANEL_PIXELS)
     side = len(picture) // step
     blocks = picture[: side * step, : side * step].reshape(side, step, side, step, 3)
-    return score_observation(observation), blocks.mean(axis=(1, 3)).astype(np.uint8)
+    return result or score_observation(observation), blocks.mean(axis=(1, 3)).astype(np.uint8)
 
 
 def format_scores(scores: Sequence[Score], form: str) -> str:
@@ -67,7 +78,7 @@ def format_scores(scores: Sequence[Score], form: str) -> str:
     if form == "csv":
         return format_csv([score_record(s) for s in scores])
     if form == "markdown":
-        return format_markdown([score_table(scores)])
+        return format_markdown(score_tables(scores))
     raise InputError("must be one of csv, json, markdown", key="format", value=form)
 
 
@@ -85,6 +96,7 @@ def comparison_figure(panels: Sequence[Panel]) -> Figure:
     columns = min(n, 3 if n <= 3 else 4 if n <= 12 else 6)
     rows = 0 if n > MOST_MAPS else math.ceil(n / columns)
     width = max(7.6, 2.7 * columns) if rows else 10.0
+    width = max(width, 7.6 + VALUE_WIDTH * len(_further(panels[0][0])))
     map_height, bar_height = (width / columns) + 0.62 if rows else 0.0, 0.34 * n + 1.4
     height = rows * map_height + bar_height
     # No picture may be longer than 2^16 pixels: of very many stones it is a little coarser.
@@ -124,7 +136,8 @@ def _draw_bars(
     """Draw a bar a stone: the shares of its bands, then Rear; the legend beneath."""
     from matplotlib.patches import Patch
 
-    name_width, value_width = min(2.6, 0.3 * width), 1.05
+    further = [_further(score) for score in scores]
+    name_width, value_width = min(2.6, 0.3 * width), 1.05 + VALUE_WIDTH * len(further[0])
     axes = figure.add_axes(
         (
             name_width / width,
@@ -139,8 +152,12 @@ def _draw_bars(
     starts = np.cumsum(shares, axis=1) - shares
     for colour, share, start in zip(colours, shares.T, starts.T, strict=True):
         axes.barh(rows, share, left=start, height=0.72, color=colour, edgecolor="white", linewidth=0.4)
+    per_inch = 100.0 / (width - name_width - value_width)
+    places = [101 + per_inch * VALUE_WIDTH * (k + 1) for k in range(len(further[0]))]
     for y, s in enumerate(scores):
         axes.text(101, y, f"{s.average:.2f}", va="center", fontsize=10.5, fontweight="bold", color=_INK)
+        for x, (_, value) in zip(places, further[y], strict=True):
+            axes.text(x, y, value, va="center", fontsize=10.5, color=_INK)
     axes.set(xlim=(0, 100), ylim=(len(scores) - 0.5, -0.5))
     axes.set_yticks(
         range(len(scores)),
@@ -152,7 +169,8 @@ def _draw_bars(
     axes.set_xticks(range(0, 101, 20), [f"{x} %" for x in range(0, 101, 20)], fontsize=9.5, color=_GREY)
     axes.tick_params(length=0)
     axes.spines[["top", "right", "left", "bottom"]].set_visible(False)
-    axes.text(101, -0.62, "Average", fontsize=9.5, color=_GREY, va="bottom")
+    for x, name in zip([101, *places], ["Average", *(name for name, _ in further[0])], strict=True):
+        axes.text(x, -0.62, name, fontsize=9.5, color=_GREY, va="bottom")
     names = [f"{band_name(b, typeset=True)} %" for b in scores[0].bands]
     handles = [Patch(facecolor=c, label=t) for c, t in zip(colours, [*names, "Rear"], strict=False)]
     figure.legend(
@@ -173,6 +191,18 @@ def _draw_bars(
     ways = {how_text(s) if s.bound is None else s.engine for s in scores}
     text = f"{ways.pop() if len(ways) == 1 else 'by several engines'}, {rules}"
     figure.text(0.14 / width, 0.1 / height, text, fontsize=8.5, color=_GREY)
+
+
+def _further(score: Score) -> list[tuple[str, str]]:
+    """Return the first values of further measures, with names: of each its one, or all of them."""
+    found = []
+    for of in score.measures or ():
+        if of.name == "inoue":
+            continue
+        keys = ["value"] if "value" in of.values else list(of.values)
+        names = [of.name if key == "value" else f"{of.name}\n{key.replace('_', ' ')}" for key in keys]
+        found += [(name, value_text(of.values[key], of.bound)) for name, key in zip(names, keys, strict=True)]
+    return found[:MOST_VALUES]
 
 
 def difference_figure(first: Observation, second: Observation) -> Figure:

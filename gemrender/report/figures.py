@@ -110,9 +110,10 @@ def map_page(
         axes = figure.add_axes(box, facecolor="none")
         _draw_axes(axes, view, stone)
         if captions:
-            axes.set_title(captions[k], loc="right", fontsize=13, color=_GREY)
+            axes.set_title(captions[k], loc="right", fontsize=11, pad=4, color=_GREY)
     box = (maps + _GAP) * dpi / width, bottom / height, _PANEL * dpi / width, side / height
-    _draw_title(figure, stone.name, round(_LEFT * dpi) / width, (bottom + side + 0.22 * dpi) / height)
+    above = (0.3 if captions else 0.22) * dpi
+    _draw_title(figure, stone.name, round(_LEFT * dpi) / width, (bottom + side + above) / height)
     return figure, figure.add_axes(box)
 
 

@@ -182,15 +182,15 @@ def write_measure_maps(
         They cannot be written.
     """
     from gemrender.report.displays import save_figure
-    from gemrender.report.files import write_measures_exr
+    from gemrender.report.files import file_stems, write_measures_exr
 
     def picture(name: str, path: Path) -> None:
         save_figure(measure_map_figure(maps, name), path, f"{maps.stone.name}: map of {name}")
 
     names = [measure.name for measure in maps.measures]
     files: dict[str, Callable[[Path], None]] = {
-        f"{stem}-map-{name}.{ending}": partial(picture, name)
-        for name in names
+        f"{stem}-map-{safe}.{ending}": partial(picture, name)
+        for name, safe in zip(names, file_stems(names), strict=True)
         for ending in dict.fromkeys(formats)
     }
     files[f"{stem}-measures.exr"] = partial(write_measures_exr, maps)
@@ -265,15 +265,14 @@ def _rules(maps: MeasureMaps, measure: Measure) -> str:
     view, index = maps.view, maps.model.index
     engine = f"{maps.engine} ({maps.variant})" if maps.variant else maps.engine
     tilt = f"eye tilted by {view.tilt_deg:g}° towards azimuth {view.tilt_azimuth_deg:g}°"
-    what = f"{measure.name} {measure.version}: {measure.definition}. Source: {measure.source}."
     lines = [
-        *textwrap.wrap(what, 62),
+        f"{measure.name} {measure.version}: {measure.definition}. Source: {measure.source}.",
         (f"viewer's head {maps.head_deg:g}°, " if "head" in measure.definition else "") + f"index {index:g}",
         *([tilt] if view.tilt_deg else []),
         f"{view.resolution} × {view.resolution} pixels, {engine}; figures are of the pixels",
         f"gemrender {gemrender.__version__}",
     ]
-    return "\n".join(lines)
+    return "\n".join(part for line in lines for part in textwrap.wrap(line, 58))
 
 
 # ---- Mixtures ------------------------------------------------------------------------------------------

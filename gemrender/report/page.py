@@ -35,13 +35,18 @@ from gemrender.optics.fresnel import (
 from gemrender.report.dimensions import dimensions, length_unit
 from gemrender.report.displays.ray_colours import RAY_COLOURS
 from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR
+from gemrender.report.page_table import page_table
+from gemrender.report.studied import Study
 from gemrender.report.tables import LEAST_SHOWN, band_name, how_text, model_text
-from gemrender.scoring import Score, score_observation
+from gemrender.scoring import Score
 from gemrender.stone import MeshSolid, Stone, tessellate
 from gemrender.stone.facets import LEVEL
 from gemrender.writing import write_whole
 
-__all__ = ["MOST_STONES", "check_number", "check_target", "report_html", "write_report"]
+__all__ = ["MOST_STONES", "Shown", "check_number", "check_target", "report_html", "write_report"]
+
+#: A stone of a page: its maps, and what measures say of it; by default what the maps tell.
+Shown = Observation | tuple[Observation, Study]
 
 #: Most stones of a report: each takes 0.2 MB of the file, and a column or a row of the page.
 MOST_STONES = 24
@@ -53,6 +58,8 @@ INTENSITY_STEPS = 200
 _REAR, _UNSOLVED, _OUTSIDE = 65001, 65002, 65003
 #: Most virtual facets that are outlined: each takes some 60 bytes.
 MOST_OUTLINES = 20_000
+#: Kinds of the largest ones that are listed.
+MOST_ALIKE = 8
 #: Straight pieces of a round girdle in the drawing.
 _PIECES = 128
 #: What lengths of a stone count, by `length_unit`, in the plural.
@@ -61,13 +68,13 @@ _UNITS = {"girdle radius": "girdle radii", "half length": "half lengths"}
 _ASSETS = resources.files("gemrender.report").joinpath("assets")
 
 
-def write_report(observations: Iterable[Observation], path: str | os.PathLike[str]) -> Path:
+def write_report(stones: Iterable[Shown], path: str | os.PathLike[str]) -> Path:
     """Write the report of some stones, whole or not at all; a file that is there is replaced.
 
     Parameters
     ----------
-    observations : iterable of Observation
-        One for each stone, in the order of the page; taken one after the other, and none is kept.
+    stones : iterable of Observation, or of (Observation, Study)
+        One for each stone, in the order of the page; taken one after the other, and no maps are kept.
     path : str or path-like
         The HTML file to write.
 
@@ -82,7 +89,7 @@ def write_report(observations: Iterable[Observation], path: str | os.PathLike[st
         No stones, too many, or a file that cannot be written.
     """
     target = check_target(path)
-    page = report_html(observations).encode("utf-8", errors="replace")
+    page = report_html(stones).encode("utf-8", errors="replace")
     try:
         write_whole(target.parent, {target.name: lambda file: file.write_bytes(page)})
     except InputError as error:
@@ -130,7 +137,7 @@ def check_target(path: str | os.PathLike[str]) -> Path:
     return target
 
 
-def report_html(observations: Iterable[Observation]) -> str:
+def report_html(stones: Iterable[Shown]) -> str:
     """Return the report of some stones as one HTML page that needs nothing else.
 
     Raises
@@ -138,7 +145,7 @@ def report_html(observations: Iterable[Observation]) -> str:
     InputError
         No stones, or too many.
     """
-    data = _data(observations)
+    data = _data(stones)
     licence = _asset("LICENSE-three.txt").strip()
     parts = {
         "title": html.escape(f"{_title([stone['name'] for stone in data['stones']])} – gemrender"),
@@ -146,6 +153,7 @@ def report_html(observations: Iterable[Observation]) -> str:
         "data": _json(data),
         "three": f"/*!\n{licence}\n*/\n{_asset('three.min.js')}",
         "tracer": _asset("tracer.js"),
+        "scores": _asset("scores.js"),
         "page": _asset("page.js"),
     }
     # In one pass: nothing that is put in is looked at again.
@@ -173,18 +181,22 @@ def _json(value: Any) -> str:
 # ---- What the page is told -----------------------------------------------------------------------------
 
 
-def _data(observations: Iterable[Observation]) -> dict[str, Any]:
+def _data(shown: Iterable[Shown]) -> dict[str, Any]:
     stones: list[dict[str, Any]] = []
-    for observation in observations:
+    studies: list[Study] = []
+    for of in shown:
         check_number(len(stones) + 1)
+        observation, study = (of, Study.of(of)) if isinstance(of, Observation) else of
+        studies.append(study)
         stones.append(
             {
                 "solid": traced_solid(observation.stone),
                 **traced_as(observation.model, observation.view),
                 **_shown(observation.stone),
-                **_scored(observation),
+                **_scored(observation, study.score),
             }
         )
+        del of, observation  # before the next one is made
     check_number(len(stones))
     return {
         "generator": f"gemrender {gemrender.__version__}",
@@ -197,6 +209,7 @@ def _data(observations: Iterable[Observation]) -> dict[str, Any]:
         },
         "codes": {"steps": INTENSITY_STEPS, "rear": _REAR, "unsolved": _UNSOLVED, "outside": _OUTSIDE},
         "stones": stones,
+        "table": page_table(studies),
     }
 
 
@@ -266,9 +279,8 @@ def _shown(stone: Stone) -> dict[str, Any]:
     }
 
 
-def _scored(observation: Observation) -> dict[str, Any]:
+def _scored(observation: Observation, result: Score) -> dict[str, Any]:
     """Return the map and what it scores."""
-    result = score_observation(observation)
     how = how_text(result)
     if result.tilt_deg:
         how += f", the eye tilted by {result.tilt_deg:g}° towards azimuth {result.tilt_azimuth_deg:g}°"
@@ -293,15 +305,35 @@ def _scored(observation: Observation) -> dict[str, Any]:
 
 
 def _virtual_facets(observation: Observation, result: Score) -> dict[str, Any] | None:
-    """Return the virtual facets' number and outlines, x, y, x, y ... of each, where the engine knows them."""
+    """Return the virtual facets, the largest first, where the engine knows them.
+
+    `outlines` has x, y, x, y ... of each, `alike` groups of the largest ones that are of one size and one
+    intensity, such as images of each other: `share` of each [% of the view], `intensity` [%], `rear`, and
+    `members`, numbers of outlines.
+    """
     if result.facets is None:
         return None
     from gemrender.beam import Budget, trace_facets
 
     budget = Budget(DEFAULT_TIME_LIMIT, DEFAULT_MEMORY_LIMIT)
     facets = trace_facets(observation.stone, view=observation.view, model=observation.model, budget=budget)
-    outlines = [facets.polygon(i).round(4).ravel().tolist() for i in range(min(len(facets), MOST_OUTLINES))]
-    return {"number": result.facets.number, "outlines": outlines}
+    shown = np.argsort(-facets.area, kind="stable")[:MOST_OUTLINES]
+    shares, intensity = 100.0 * facets.area / facets.area.sum(), facets.primary_intensity
+    alike: dict[tuple[Any, ...], dict[str, Any]] = {}
+    for number, i in enumerate(shown.tolist()):
+        if not facets.is_counted[i]:
+            continue
+        is_rear = bool(facets.rear_mask[i])
+        key = (f"{shares[i]:.5e}", f"{intensity[i]:.4f}", is_rear)
+        if key not in alike and len(alike) == MOST_ALIKE:
+            break
+        kind = {"share": float(shares[i]), "intensity": float(intensity[i]), "rear": is_rear, "members": []}
+        alike.setdefault(key, kind)["members"].append(number)
+    return {
+        "number": result.facets.number,
+        "outlines": [facets.polygon(i).round(4).ravel().tolist() for i in shown],
+        "alike": list(alike.values()),
+    }
 
 
 def _map(observation: Observation) -> dict[str, Any]:

@@ -32,6 +32,7 @@ __all__ = [
     "score_values",
     "stereo_record",
     "stereo_table",
+    "value_text",
 ]
 
 
@@ -133,7 +134,7 @@ def measures_table(scores: Sequence[Score]) -> TextTable:
     for found in zip(*(score.measures or () for score in scores), strict=True):
         rows = [of.values | of.details for of in found]
         for k, key in enumerate(rows[0]):
-            cells = [_measured(row[key], of.bound) for row, of in zip(rows, found, strict=True)]
+            cells = [value_text(row[key], of.bound) for row, of in zip(rows, found, strict=True)]
             table.rows.append([found[0].name if k == 0 else "", "" if key == "value" else key, *cells])
         if found[0].bound is not None and found[0].values:
             cells = [f"±{bound_text(of.bound or 0.0)}" for of in found]
@@ -186,7 +187,7 @@ def stereo_record(found: StereoScore, settings: dict[str, Any] | None = None) ->
     return out | {f"stereo_{key}" if key == "bound" else key: value for key, value in stereo.items()}
 
 
-def _measured(value: Any, bound: float | None) -> str:
+def value_text(value: Any, bound: float | None) -> str:
     """Return a value in words, with as many decimals as its bound is worth."""
     if isinstance(value, int):
         return str(value)

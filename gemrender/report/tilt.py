@@ -13,6 +13,7 @@ from gemrender.measures import Measure
 from gemrender.observation import bound_text
 from gemrender.report.formats import Column, TextTable
 from gemrender.report.lettering import name_fonts, save_png
+from gemrender.report.measure_maps import ZONE_COLOURS
 from gemrender.report.tables import measure_columns
 from gemrender.sweep import TiltStudy
 from gemrender.sweep.tilt import Tie, TiltedValues
@@ -39,12 +40,13 @@ _SHOWN = {
     "extinction": ("head", "late_leak"),
     "facets": ("number", "half"),
 }
-#: Colours of a measure's curves; those of ASET are its own.
+#: Colours of a measure's curves; zones of an ASET have those of their maps.
 _COLOURS = ("#1e9c89", "#3f4889", "#c2571a", "#8a5aa8", "#6b7a2b", "#444444")
-_ASET = {"green": "#2f9e44", "red": "#d6322d", "blue": "#2f6fd6", "leak": "#8a8a8a"}
 _INK, _GREY = "#222222", "#666666"
 #: From so many panels about one axis on they stand in two columns.
 _TALL = 4
+#: The least that is tied where people are told: what is seen in two decimals [%].
+_LEAST_TIED = 0.005
 #: Poses that a note names; of more it says how many there are.
 _MOST_NAMED = 8
 
@@ -177,10 +179,11 @@ def rule_text(study: TiltStudy) -> str:
 
 
 def _ties_in_words(study: TiltStudy) -> list[str]:
-    """Name the poses where light is tied."""
+    """Name the poses where light is tied, and how much."""
     ties: dict[tuple[str, str], list[Tie]] = {}
     for tie in study.ties():
-        ties.setdefault((tie.measure, tie.key), []).append(tie)
+        if tie.amount >= _LEAST_TIED:
+            ties.setdefault((tie.measure, tie.key), []).append(tie)
     words = []
     for (measure, key), of in ties.items():
         shown = [
@@ -277,7 +280,7 @@ def draw_curves(axes: Axes, of: Measure, along: Sequence[TiltedValues]) -> None:
     ends: list[tuple[float, str, str]] = []
     for number, key in enumerate(shown_keys(of)):
         values = np.array([found.value(of.name, key) for found in along])
-        colour = _ASET.get(key, _COLOURS[0]) if of.name == "aset" else _COLOURS[number % len(_COLOURS)]
+        colour = ZONE_COLOURS[key] if of.name == "aset" else _COLOURS[number % len(_COLOURS)]
         axes.plot(turns, values, color=colour, linewidth=1.8)
         if key in of.keys:
             axes.fill_between(turns, values - bounds, values + bounds, color=colour, alpha=0.25, linewidth=0)
@@ -302,7 +305,9 @@ def draw_curves(axes: Axes, of: Measure, along: Sequence[TiltedValues]) -> None:
 def _is_tied(of: Measure, along: Sequence[TiltedValues]) -> np.ndarray:
     """Tell at which poses light is tied, (n,) bool."""
     keys = [key for key in of.keys if key == "tied" or key.endswith("_tied")]
-    return np.array([any(found.value(of.name, key) > 0 for key in keys) for found in along], dtype=bool)
+    return np.array(
+        [any(found.value(of.name, key) >= _LEAST_TIED for key in keys) for found in along], dtype=bool
+    )
 
 
 def _name_curves(axes: Axes, ends: Sequence[tuple[float, str, str]]) -> None:

@@ -1,4 +1,4 @@
-"""A film of a stone that is tilted: its map, and the curves with a mark that goes along."""
+"""A film of a stone that is tilted: a map of it, and the curves with a mark that goes along."""
 
 from __future__ import annotations
 
@@ -7,13 +7,16 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from gemrender.engines import observe
 from gemrender.errors import InputError
+from gemrender.mapping import measure_maps
+from gemrender.measures import Measure, measure_named
+from gemrender.measures.maps import has_map
 from gemrender.observation import View
 from gemrender.render.film_files import check_film, encode_film
 from gemrender.render.formats import FILM_SUFFIXES
-from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, map_picture
+from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR
 from gemrender.report.lettering import name_fonts, save_png
+from gemrender.report.measure_maps import measure_map_picture
 from gemrender.report.tilt import axis_name, draw_curves
 from gemrender.scoring import BAND_EDGES
 from gemrender.stone import Stone
@@ -32,6 +35,8 @@ _WIDTH, _HEIGHT, _MAP = 1280, 640, 512
 _DPI = 100
 #: To and fro takes about so long [s], at so many frames a second.
 _SECONDS, _FPS = 6.0, (4.0, 30.0)
+#: What options say that is another matter for a frame.
+_NO_RULES = ("resolution", "tilt", "tilt_azimuth", "bound")
 #: Most measures whose curves have room beside the map.
 _MOST_PANELS = 4
 
@@ -78,6 +83,8 @@ def write_tilt_film(
 ) -> Path:
     """Write a film of a stone that is tilted to and fro, about one axis; return its path.
 
+    It shows the map of the first measure that has one; where none has, that of the paper's score.
+
     Parameters
     ----------
     study : TiltStudy
@@ -87,14 +94,14 @@ def write_tilt_film(
     path : Path
         The film, ending in .mp4, .gif or .webp.
     options : dict, optional
-        Further arguments of `gemrender.observe`: engine, rear ...
+        Further arguments of `gemrender.measure_maps`: engine, rear ...; the bound makes no difference.
     progress : callable, optional
         Called with the share done, 0 to 1.
 
     Raises
     ------
     InputError, BackendError
-        As for `check_tilt_film` and `observe`, or the film cannot be written.
+        As for `check_tilt_film` and `measure_maps`, or the film cannot be written.
     """
     poses = [found.pose for found in study.found]
     check_tilt_film(path, poses, len(study.measures))
@@ -132,17 +139,17 @@ def _frame(study: TiltStudy, stone: Stone, found: TiltedValues, options: dict[st
     tilt, azimuth = found.pose.eye
     reach = max(stone.half_width, stone.reach)  # one scale for all of them
     view = View(resolution=_MAP, half_width=reach, tilt_deg=tilt, tilt_azimuth_deg=azimuth)
-    rules = {
-        key: value for key, value in options.items() if key not in ("resolution", "tilt", "tilt_azimuth")
-    }
-    picture = map_picture(observe(stone, view=view, **rules))
+    rules = {key: value for key, value in options.items() if key not in _NO_RULES}
+    shown = next((of for of in study.measures if has_map(of)), measure_named("inoue"))
+    maps = measure_maps(stone, measures=[shown], head=study.head_deg, view=view, **rules)
+    picture = measure_map_picture(maps, shown.name)[0]
 
     figure = Figure(figsize=(_WIDTH / _DPI, _HEIGHT / _DPI), dpi=_DPI)
     figure.text(0.02, 0.94, study.name, fontsize=15, fontweight="bold", family=name_fonts(), parse_math=False)
     turn = f"{found.pose.turn_deg:+.4g}".replace("-", "−")
     axis = axis_name(found.pose.axis_deg).replace(" deg", "°")
     figure.text(0.02, 0.895, f"turned about {axis} by {turn if tilt else '0'}°", fontsize=11, color="#666666")
-    _draw_key(figure)
+    _draw_key(figure, shown)
     axes = figure.add_axes((0.01, 0.02, 0.42, 0.84))
     axes.imshow(picture, interpolation="antialiased")
     axes.set_axis_off()
@@ -155,10 +162,13 @@ def _frame(study: TiltStudy, stone: Stone, found: TiltedValues, options: dict[st
     return figure
 
 
-def _draw_key(figure: Figure) -> None:
-    """Draw the map's colours: bands by their lower edges [%], and rear light."""
+def _draw_key(figure: Figure, shown: Measure) -> None:
+    """Say what the map shows; of the paper's score its colours, by the bands' lower edges [%]."""
     from matplotlib.colors import to_rgb
 
+    if shown.name != "inoue":
+        figure.text(0.43, 0.94, f"map of {shown.name}", fontsize=11, color="#666666", ha="right")
+        return
     names = [*(f"≥{edge:g}" for edge in BAND_EDGES), "rear"]
     axes = figure.add_axes((0.22, 0.945, 0.21, 0.028))
     axes.imshow([[to_rgb(colour) for colour in (*BAND_COLOURS, REAR_COLOUR)]], aspect="auto")

@@ -246,6 +246,8 @@ def study_tilt(
     chosen = tilt_measures(measures)
     options = {"bound": DEFAULT_TILT_BOUND, "resolution": 256, **(options or {})}
     used = engine_for(options.get("engine", DEFAULT_ENGINE), stone)
+    if used == "exact":  # its first kernel must not be called by two threads at once: numba has no lock there
+        require_engine(used, stones=[stone])
     # A measure that sees a turn about the eye's direction tells symmetric poses apart.
     symmetry = stone.symmetry if all(of.is_axial for of in chosen) else NONE
     poses = tilt_poses(axis, to_deg, step_deg, stone.symmetry)

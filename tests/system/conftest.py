@@ -1,8 +1,12 @@
-"""Fixtures of tests of pictures and films: quick renders by the command line."""
+"""Fixtures of tests of pictures and films, quick renders by the command line; and of pages, a browser."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import Any
+
 import pytest
+from browser_help import CHROMIUM, FLAGS, Opened, open_page
 
 from gemrender.render import frames, passes
 
@@ -48,3 +52,28 @@ def turns(monkeypatch):
     turns.at = None
     monkeypatch.setattr(frames, "render", render)
     return turns
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    if CHROMIUM is None:
+        pytest.skip("no Chromium here")
+    with playwright.sync_playwright() as driver:
+        started = driver.chromium.launch(executable_path=CHROMIUM, headless=True, args=FLAGS)
+        yield started
+        started.close()
+
+
+@pytest.fixture
+def opened(browser) -> Iterator[Any]:
+    """What opens a page (`browser_help.open_page`); all are closed at the end."""
+    pages = []
+
+    def open_one(*arguments: Any, **options: Any) -> Opened:
+        pages.append(open_page(browser, *arguments, **options))
+        return pages[-1]
+
+    yield open_one
+    for seen in pages:
+        seen.page.context.close()

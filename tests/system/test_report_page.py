@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 import base64
-import json
 import re
-import shutil
 import zlib
-from collections.abc import Iterator
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +12,7 @@ import numpy as np
 import pytest
 import typer
 from any_stones import design, hollow_stone
+from browser_help import CONTRASTS, LEAST_CONTRAST, page_data
 from observations import observation as made_observation
 from typer.testing import CliRunner
 
@@ -38,16 +35,6 @@ MOST_BYTES = 3_000_000
 SAME_PERCENT, SAME_PIXEL = 1e-6, 1e-5
 #: Paths of more reflections may part by rounding; at most so large a share of a map's pixels.
 FEW_REFLECTIONS, LONG_SHARE = 30, 0.005
-#: Least contrast of text to its ground (WCAG 2, level AA).
-LEAST_CONTRAST = 4.5
-#: What is drawn at its edge of the map's canvas around the stone (page.js, MAP_MARGIN).
-MAP_MARGIN = 0.03
-
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-FLAGS = [
-    "--no-sandbox", "--disable-gpu-sandbox", "--enable-unsafe-swiftshader", "--disable-background-networking",
-    "--disable-component-update", "--disable-default-apps", "--disable-sync", "--no-first-run",
-]  # fmt: skip
 
 HOSTILE = '</script><script>alert(1)</script><img src=x onerror="alert(2)">{{data}}&amp;\u2028'
 
@@ -88,84 +75,6 @@ def pages(observed, tmp_path_factory) -> dict[str, Path]:
         },
         "cuts": write_report([one, observed["pear"], observed["emerald"]], folder / "cuts.html"),
     }
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    if CHROMIUM is None:
-        pytest.skip("no Chromium here")
-    with playwright.sync_playwright() as driver:
-        started = driver.chromium.launch(executable_path=CHROMIUM, headless=True, args=FLAGS)
-        yield started
-        started.close()
-
-
-@dataclass
-class Opened:
-    """A page, and what it said and asked for."""
-
-    page: Any
-    errors: list[str] = field(default_factory=list)
-    requests: list[str] = field(default_factory=list)
-
-    def canvas(self, kind: str, number: int = 0) -> Any:
-        return self.page.locator(f".{kind} canvas").nth(number)
-
-    def place(self, x: float, y: float, *, number: int = 0, half_width: float = 1.0) -> tuple[float, float]:
-        """Where a point of the view is in the window."""
-        box = self.canvas("map", number).bounding_box()
-        scale = (1 - 2 * MAP_MARGIN) * box["width"] / 2 / half_width
-        return box["x"] + box["width"] / 2 + scale * x, box["y"] + box["height"] / 2 - scale * y
-
-    def click(self, x: float, y: float, **options: Any) -> None:
-        self.canvas("map", options.get("number", 0)).scroll_into_view_if_needed()
-        self.page.mouse.click(*self.place(x, y, **options))
-
-    def ray(self, number: int = 0) -> dict[str, Any]:
-        """What the page tells of a stone's ray, facets in the order from the eye."""
-        told = self.page.locator(".ray").nth(number).evaluate(
-            "ray => ({...ray.dataset, text: ray.querySelector('.intensity').innerText,"
-            " facets: [...ray.querySelectorAll('tbody tr')].map(row => row.dataset.facet)})"
-        )  # fmt: skip
-        if int(told["status"]) == RayStatus.EXITED:
-            told["facets"].reverse()
-        return told
-
-
-@pytest.fixture
-def opened(browser) -> Iterator[Any]:
-    contexts = []
-
-    def open_page(file: Path, *, phone: bool = False, dark: bool = False) -> Opened:
-        context = browser.new_context(
-            viewport={"width": 390, "height": 844} if phone else {"width": 1400, "height": 900},
-            has_touch=phone,
-            color_scheme="dark" if dark else "light",
-        )
-        contexts.append(context)
-        page = context.new_page()
-        seen = Opened(page)
-        address = file.as_uri()
-
-        def on_request(route: Any) -> None:
-            seen.requests.append(route.request.url)
-            if route.request.url == address:
-                route.continue_()
-            else:
-                route.abort()
-
-        context.route("**/*", on_request)
-        page.on("console", lambda message: message.type == "error" and seen.errors.append(message.text))
-        page.on("pageerror", lambda error: seen.errors.append(str(error)))
-        page.on("dialog", lambda dialog: (seen.errors.append("dialog"), dialog.dismiss()))
-        page.goto(address)
-        page.wait_for_selector("html[data-ready]", timeout=20_000)
-        return seen
-
-    yield open_page
-    for context in contexts:
-        context.close()
 
 
 def expected_path(seen: dict[str, Any], observation: Observation) -> RayPath:
@@ -379,33 +288,10 @@ def test08_a_phone_scrolls_one_way_only(opened, pages, observed, name):
         assert_shown(after, observed["inoue-3"])
     assert seen.page.evaluate("document.documentElement.scrollWidth") <= 390
     small = seen.page.evaluate(
-        "[...document.querySelectorAll('button')].map(b => b.getBoundingClientRect().height)"
+        "[...document.querySelectorAll('button')].filter(b => b.checkVisibility())"
+        ".map(b => b.getBoundingClientRect().height)"
     )
     assert min(small) >= 24
-
-
-CONTRASTS = """() => {
-    const channels = (text) => text.match(/[\\d.]+/g).map(Number);
-    const luminance = ([r, g, b]) => {
-        const linear = (v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4);
-        const [x, y, z] = [r, g, b].map((v) => linear(v / 255));
-        return 0.2126 * x + 0.7152 * y + 0.0722 * z;
-    };
-    const ground = (e) => {
-        for (; e; e = e.parentElement) {
-            const c = channels(getComputedStyle(e).backgroundColor);
-            if (c.length === 3 || c[3] > 0.99) return c;
-        }
-        return [255, 255, 255];
-    };
-    const hasText = (e) => [...e.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim());
-    return [...document.querySelectorAll('body *')]
-        .filter((e) => hasText(e) && e.checkVisibility())
-        .map((e) => {
-            const [a, b] = [luminance(channels(getComputedStyle(e).color)), luminance(ground(e))];
-            return [(Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05), e.textContent.slice(0, 40)];
-        });
-}"""
 
 
 def test09_light_and_dark_are_legible(opened, pages):
@@ -483,11 +369,6 @@ def test12_the_ray_shown_is_the_ray_that_was_scored(opened, pages, observed):
 
 
 # ---- The file ------------------------------------------------------------------------------------------
-
-
-def page_data(page: str) -> dict[str, Any]:
-    text = re.search(r'<script type="application/json" id="data">(.*?)</script>', page, re.DOTALL)[1]
-    return json.loads(text)
 
 
 def test13_the_map_is_the_scored_map(observed):

@@ -23,8 +23,9 @@ from gemrender.report.comparison import (
     write_comparison,
 )
 from gemrender.report.formats import FORMATS
+from gemrender.scoring import score
 from gemrender.stone import Stone
-from tests.observations import ROOT, observation, run_gemrender, run_python
+from tests.observations import ROOT, STONE, observation, run_gemrender, run_python
 
 FAST = ("--engine", "reference", "--resolution", "32")
 
@@ -152,3 +153,43 @@ def test_script_sets_paper_beside_program():
     assert done.returncode == 0, done.stderr
     assert "45.10" in done.stdout
     assert "over 60" in done.stdout
+
+
+def test_measures_are_in_every_form_as_score_has_them(gemrender, tmp_path):
+    """In what is printed and in the files, whether there are maps or not."""
+    asked = ["inoue-3", "inoue-1", *FAST, "--measures", "window,iso", "--head", "15"]
+    scored = json.loads(gemrender("score", *asked, "--json")[1])
+    assert list(scored[0]["measures"]) == ["window", "iso"]
+    for more in ([], ["-o", str(tmp_path)]):
+        status, out, _ = gemrender("compare", *asked, "--json", *more)
+        assert status == 0
+        assert [s["measures"] for s in json.loads(out)] == [s["measures"] for s in scored]
+    written = json.loads((tmp_path / "comparison.json").read_text(encoding="utf-8"))
+    assert [s["measures"] for s in written] == [s["measures"] for s in scored]
+    rows = list(csv.DictReader(io.StringIO((tmp_path / "comparison.csv").read_text(encoding="utf-8"))))
+    assert [float(row["iso"]) for row in rows] == [s["measures"]["iso"]["value"] for s in scored]
+    assert "internal" in gemrender("compare", *asked)[1]
+
+
+def test_the_figure_shows_values_of_measures_beside_the_bars():
+    """The one value of each, or all that it has; what is the paper's is there already."""
+    shown = small()
+    wanted = score(STONE, engine="reference", resolution=16, measures="inoue,window,extinction,iso")
+    texts = [text.get_text() for text in comparison_figure([panel(shown, wanted)] * 2).axes[-1].texts]
+    assert texts[-5:] == [
+        "Average",
+        "window",
+        "extinction\nhead",
+        "extinction\nlate leak",
+        "extinction\ntied",
+    ]
+    by_name = {of.name: of.values for of in wanted.measures}
+    assert texts[0] == f"{wanted.average:.2f}"
+    assert texts[1:3] == [f"{by_name['window']['value']:.2f}", f"{by_name['extinction']['head']:.2f}"]
+
+
+def test_an_unknown_measure_is_refused(gemrender):
+    status, out, err = gemrender("compare", "inoue-3", *FAST, "--measures", "iso,iso2")
+    assert (status, out) == (2, "")
+    assert err.startswith("gemrender: --measures = 'iso2': must be one of inoue, iso, ")
+    assert err.count("\n") == 1

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import OpenEXR
 import pytest
+from displays_help import assert_within
 from exact_tolerances import SAME_PATH
 from matplotlib.image import imread
 from observations import STONE
@@ -17,13 +19,19 @@ from gemrender import cli
 from gemrender.beam.facets import trace_facets
 from gemrender.beam.measure_maps import _Blocks
 from gemrender.beam.solid import beam_stone
+from gemrender.cuts.files import LONGEST_NAME
 from gemrender.errors import InputError
 from gemrender.mapping import score_with_maps
 from gemrender.measures import HEAD_DEG, Light, Measure, chosen_measures, evaluate
 from gemrender.measures.maps import MapBuilder
 from gemrender.observation import Model, View
 from gemrender.report.figures import colour_numbers
-from gemrender.report.measure_maps import ZONE_COLOURS, measure_map_picture, write_measure_maps
+from gemrender.report.measure_maps import (
+    ZONE_COLOURS,
+    measure_map_figure,
+    measure_map_picture,
+    write_measure_maps,
+)
 
 PEAR = gemrender.load_stone(Path(__file__).parents[1] / "cases" / "stones" / "pear.asc")
 #: Channels of `aset` that make all light, and those that make all of the principal light.
@@ -229,6 +237,21 @@ def test_every_kind_of_measure_has_a_picture(tmp_path):
     ]  # fmt: skip
     for path in written[:-1]:
         assert imread(path).shape[0] > 800
+
+
+@pytest.mark.parametrize("name", ["pear", "W" * LONGEST_NAME])
+def test_everything_stays_on_the_page(name, variant_llvm_ad_mono):
+    stone = replace(PEAR, name=name)
+    maps = maps_of(stone, "all", resolution=4, tilt=12.5, engine="mitsuba")
+    for measure in ("aset", "gemray-sc2", "dispersion") if name == "pear" else ("aset",):
+        assert_within(measure_map_figure(maps, measure))
+
+
+def test_a_name_of_ones_own_is_safe_in_a_file_s(tmp_path):
+    measure = Everything()
+    measure.name = "all/inside"
+    written = write_measure_maps(maps_of(PEAR, [measure], resolution=8), tmp_path, "pear")
+    assert written[0].name == "pear-map-inside.png"
 
 
 def test_the_same_picture_is_the_same_file(tmp_path):

@@ -11,6 +11,7 @@ import colour
 import numpy as np
 import OpenEXR
 import pytest
+from displays_help import assert_within
 from matplotlib.image import imread
 from observations import STONE, observation
 
@@ -21,7 +22,6 @@ from gemrender.errors import InputError
 from gemrender.observation import MAP_CHANNELS, MAP_TYPES, PATH_CODE_MASK, RayStatus
 from gemrender.report import figures
 from gemrender.report.files import file_stems, prepare_folder, write_exr, write_observation
-from gemrender.report.lettering import boxes_for_letters
 from gemrender.scoring import BAND_EDGES, score_observation
 
 #: Least difference of two colours of the picture (CIEDE2000), for eyes with and without colour blindness:
@@ -215,24 +215,6 @@ def test_the_fullest_panel_stays_on_the_page_and_apart():
     boxes = [text.get_window_extent(renderer) for text in panel.texts]
     for first, second in itertools.combinations(boxes, 2):
         assert not first.overlaps(second)
-
-
-def assert_within(figure):
-    """No text may be cut by the edge of the page."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.text import Text
-
-    canvas = FigureCanvasAgg(figure)
-    with boxes_for_letters():
-        canvas.draw()  # which puts the labels of the axes in their place
-    renderer = canvas.get_renderer()
-    for text in figure.findobj(Text):
-        if text.get_text() and text.get_visible():
-            box = text.get_window_extent(renderer)
-            assert figure.bbox.x0 <= box.x0, text
-            assert figure.bbox.y0 <= box.y0, text
-            assert box.x1 <= figure.bbox.x1, text
-            assert box.y1 <= figure.bbox.y1, text
 
 
 # ---- Files and folders ---------------------------------------------------------------------------------

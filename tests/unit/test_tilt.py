@@ -25,12 +25,15 @@ from gemrender.sweep import study_tilt
 from gemrender.sweep.poses import Pose, alike, tilt_poses
 from gemrender.sweep.tilt import _entry, tilt_measures
 from tests.any_stones import FOLDER
+from tests.observations import run_python
 
 ROUND = load_stone("inoue-3")
 EMERALD, PEAR = design("emerald"), design("pear")
 TRUTH = json.loads((FOLDER / "truth.json").read_text())
 #: Values of polygons [%]: the same but for rounding, multiplied near the critical angle.
 SAME = 1e-6
+#: Shares of a film's frame: its edges between zones are a pixel wide, and mixed with what leaks.
+FRAME = 0.03
 
 
 def turned(study, measure="inoue", key="average"):
@@ -157,6 +160,16 @@ def test_another_engine_knows_no_bound():
     assert study.to_dict()["poses"][0]["measures"]["inoue"]["bound"] is None
     alone = score(hollow_stone(), measures="inoue", tilt=20.0, tilt_azimuth=90.0, **options)
     assert turned(study)[20.0] == alone.measures[0].values["average"]
+
+
+def test_threads_begin_when_kernels_are_there():
+    """Of a process's first kernel numba makes the types without a lock."""
+    code = (
+        "from gemrender import load_stone; from gemrender.sweep import study_tilt;"
+        "study_tilt(load_stone('inoue-3'), measures='iso', to_deg=7, options={'bound': 1.0}, processes=8)"
+    )
+    done = run_python("-c", code)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_what_an_engine_does_not_tell_is_not_defined():
@@ -329,7 +342,7 @@ def test_a_polar_map_has_each_value_where_it_was_found():
 def test_a_film_goes_to_and_fro(tmp_path):
     from PIL import Image
 
-    study = study_tilt(EMERALD, to_deg=20.0, step_deg=20.0)
+    study = study_tilt(EMERALD, measures="aset", to_deg=20.0, step_deg=20.0)
     path = write_tilt_film(study, EMERALD, tmp_path / "tilt.webp")
     frames = []
     with Image.open(path) as film:
@@ -338,6 +351,11 @@ def test_a_film_goes_to_and_fro(tmp_path):
             frames.append(np.asarray(film.convert("RGB"), dtype=float)[:, :540])  # the map
     assert len(frames) == 4  # upright, one side, upright, the other
     assert np.abs(frames[0] - frames[2]).mean() < 3.0 < np.abs(frames[0] - frames[1]).mean()
+    for frame, found in zip(frames, study.found[1:], strict=False):  # zones by their strongest colour
+        inside = frame[60:][np.ptp(frame[60:], axis=-1) > 100]
+        shares = np.bincount(inside.argmax(axis=-1), minlength=3) / len(inside)
+        values = np.array([found.value("aset", key) for key in ("red", "green", "blue")])
+        assert shares == pytest.approx(values / values.sum(), abs=FRAME)
 
 
 # ---- The command ---------------------------------------------------------------------------------------

@@ -1,10 +1,13 @@
 'use strict';
 
 // The page: for each stone a stage (3D), a map and the ray through the chosen point, linked with each other and
-// with the other stones. Uses THREE (three.min.js) and GemTracer (tracer.js); all data is in #data.
+// with the other stones. Uses THREE (three.min.js), GemTracer (tracer.js) and GemScores (scores.js); all data is
+// in #data.
 
 (() => {
     const { STATUS, dot } = GemTracer;
+    const { number, find, element } = GemDom;
+    const { boundText } = GemScores;
     const data = JSON.parse(document.getElementById('data').textContent);
     const { colours, codes } = data;
 
@@ -25,6 +28,15 @@
     const SAME_INTENSITY = 0.05;
     /** A press that moves less than this is a click [CSS px]. */
     const CLICK_SLACK = 5;
+    /** Pixels a side of the map of a tilted view, which is traced in the page: of blocks first, then all. */
+    const TRACED_PIXELS = 384;
+    const COARSEST = 16;
+    /** Time for it in each frame, and before the first one [ms]; so many finished ones are kept for all stones. */
+    const TRACING_TIME = 12;
+    const FIRST_TIME = 30;
+    const MOST_TRACED = 48;
+    /** How much is left of the map beside the band that is pointed at. */
+    const FADED = 0.14;
     const PAPER = matchMedia('print');
     /** What is rear light, by the model's rule. */
     const REAR_WORDS = {
@@ -37,30 +49,41 @@
     const REAR_RAY = '#ffffff';
     const STAGE_GLOW = ['#1d2530', '#0b0e13'];
 
-    const number = (value, digits) => value.toFixed(digits).replace('-', '−');
     const facetName = (name) => name.replace(/^bezel_/, 'bezel_main_').replaceAll('_', ' ');
     /** A facet within a sentence: a word, such as "the table" or "star 1", or a designer's name: "facet P1 24". */
     function theFacet(name) {
         if (!/^[a-z]{3}/.test(name)) return `facet ${facetName(name)}`;
         return (/_/.test(name) ? '' : 'the ') + facetName(name);
     }
-    const find = (root, selector) => root.querySelector(selector);
     const times = (count) => (count === 1 ? 'once' : count === 2 ? 'twice' : `${count} times`);
 
-    function element(name, properties = {}, ...children) {
-        const made = Object.assign(document.createElement(name), properties);
-        made.append(...children);
-        return made;
+    /** What a map's code is: the number of its band, or that it has no intensity. */
+    const [REAR, UNSOLVED, OUTSIDE] = [100, 101, -1];
+    function kindOf(code) {
+        if (code === codes.outside) return OUTSIDE;
+        if (code === codes.rear) return REAR;
+        if (code === codes.unsolved) return UNSOLVED;
+        return data.stones[0].score.bands.findIndex((band) => code >= band.low * codes.steps);
     }
 
-    /** Place of a map's code in the list of bands; of what has no intensity, -1. */
-    const bandOf = (stone, code) =>
-        code >= codes.rear ? -1 : stone.score.bands.findIndex((band) => code >= band.low * codes.steps);
+    const kindColour = (kind) =>
+        kind === REAR ? colours.rear : kind === UNSOLVED ? colours.unsolved : colours.bands[kind];
 
-    function codeColour(stone, code) {
-        if (code === codes.rear) return colours.rear;
-        if (code === codes.unsolved) return colours.unsolved;
-        return colours.bands[bandOf(stone, code)];
+    /** Of every code its kind, and its colour as a canvas holds it in memory. */
+    const kinds = new Int8Array(1 << 16);
+    const painted = new Uint32Array(1 << 16);
+    for (let code = 0; code <= codes.outside; code++) {
+        kinds[code] = kindOf(code);
+        if (code === codes.outside) continue;
+        const rgb = parseInt(kindColour(kinds[code]).slice(1), 16);
+        painted[code] = (((rgb & 255) << 16) | (rgb & 0xff00) | (rgb >> 16) | 0xff000000) >>> 0;
+    }
+
+    /** The code of a ray's pixel, as the report writes it. */
+    function codeOf(path) {
+        if (path.status === STATUS.MISSED) return codes.outside;
+        if (path.status !== STATUS.EXITED) return codes.unsolved;
+        return path.rear ? codes.rear : Math.min(Math.floor(path.intensity * codes.steps), codes.rear - 1);
     }
 
     /** The paper's shades of red by intensity, and white for rear light. */
@@ -142,23 +165,10 @@
 
     // ---- The data of a stone ---------------------------------------------------------------------------
 
-    /** The scored map: codes of its pixels, and the ray through each. */
-    class ScoredMap {
-        constructor({ size, start, pitch, data: text }) {
-            Object.assign(this, { size, start, pitch, text, codes: null });
-        }
-
-        async load() {
-            const packed = Uint8Array.from(atob(this.text), (letter) => letter.charCodeAt(0));
-            const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate'));
-            const bytes = new Uint8Array(await new Response(stream).arrayBuffer());
-            const count = this.size ** 2;
-            this.codes = new Uint16Array(count);
-            for (let i = 0; i < count; i++) {
-                const before = i % this.size ? this.codes[i - 1] : 0;
-                this.codes[i] = before + (bytes[i] << 8) + bytes[count + i]; // modulo 2^16
-            }
-            this.text = null;
+    /** A map: codes of its pixels, and the ray through each. */
+    class CodedMap {
+        constructor({ size, start, pitch }) {
+            Object.assign(this, { size, start, pitch, codes: null, pictures: new Map() });
         }
 
         /** Row and column of the pixel nearest to a point of the view. */
@@ -176,26 +186,86 @@
             return this.codes[row * this.size + column];
         }
 
-        /** The map in its colours, one pixel a pixel. */
-        picture(stone) {
-            const canvas = element('canvas', { width: this.size, height: this.size });
-            const context = canvas.getContext('2d');
-            const image = context.createImageData(this.size, this.size);
-            const pixels = new Uint32Array(image.data.buffer);
-            const opaque = new Map();
-            for (let i = 0; i < pixels.length; i++) {
-                const code = this.codes[i];
-                if (code === codes.outside) continue;
-                const key = code >= codes.rear ? code : bandOf(stone, code);
-                if (!opaque.has(key)) {
-                    const rgb = parseInt(codeColour(stone, code).slice(1), 16);
-                    const little = ((rgb & 255) << 16) | (rgb & 0xff00) | (rgb >> 16);
-                    opaque.set(key, (little | 0xff000000) >>> 0);
-                }
-                pixels[i] = opaque.get(key);
+        /** The map in its colours, one pixel a pixel: all of it, or what is of one kind. */
+        picture(kind = null) {
+            if (!this.pictures.has(kind)) {
+                const canvas = element('canvas', { width: this.size, height: this.size });
+                const context = canvas.getContext('2d');
+                const image = context.createImageData(this.size, this.size);
+                const pixels = new Uint32Array(image.data.buffer);
+                for (let i = 0; i < pixels.length; i++)
+                    if (kind === null || kinds[this.codes[i]] === kind) pixels[i] = painted[this.codes[i]];
+                context.putImageData(image, 0, 0);
+                this.pictures.set(kind, canvas);
             }
-            context.putImageData(image, 0, 0);
-            return canvas;
+            return this.pictures.get(kind);
+        }
+    }
+
+    /** The map that was scored. */
+    class ScoredMap extends CodedMap {
+        constructor(map) {
+            super(map);
+            this.text = map.data;
+            this.isDone = true;
+        }
+
+        async load() {
+            const packed = Uint8Array.from(atob(this.text), (letter) => letter.charCodeAt(0));
+            const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate'));
+            const bytes = new Uint8Array(await new Response(stream).arrayBuffer());
+            const count = this.size ** 2;
+            this.codes = new Uint16Array(count);
+            for (let i = 0; i < count; i++) {
+                const before = i % this.size ? this.codes[i - 1] : 0;
+                this.codes[i] = before + (bytes[i] << 8) + bytes[count + i]; // modulo 2^16
+            }
+            this.text = null;
+        }
+    }
+
+    /** The map of another view, traced here: by every sixteenth pixel first, then by every eighth, to all. */
+    class TracedMap extends CodedMap {
+        constructor(trace, halfWidth) {
+            const pitch = (2 * halfWidth) / TRACED_PIXELS;
+            super({ size: TRACED_PIXELS, start: pitch / 2 - halfWidth, pitch });
+            Object.assign(this, { ray: trace, stride: COARSEST, next: 0 });
+            this.codes = new Uint16Array(this.size ** 2).fill(codes.outside);
+            this.isKnown = new Uint8Array(this.size ** 2);
+        }
+
+        get isDone() {
+            return this.stride < 1;
+        }
+
+        code({ row, column }) {
+            const i = row * this.size + column;
+            if (!this.isKnown[i]) {
+                this.codes[i] = codeOf(this.ray(this.point({ row, column })));
+                this.isKnown[i] = 1;
+            }
+            return this.codes[i];
+        }
+
+        /** Trace on, until a time [ms] or to the end. */
+        trace(until) {
+            while (!this.isDone) {
+                const { size, stride } = this;
+                const across = Math.ceil(size / stride);
+                if (this.next === across ** 2) {
+                    this.stride = stride > 1 ? stride / 2 : 0;
+                    this.next = 0;
+                    continue;
+                }
+                const [row, column] = [Math.floor(this.next / across) * stride, (this.next % across) * stride];
+                const code = this.code({ row, column });
+                for (let v = row; v < Math.min(row + stride, size); v++)
+                    for (let u = column; u < Math.min(column + stride, size); u++)
+                        if (!this.isKnown[v * size + u]) this.codes[v * size + u] = code;
+                this.next += 1;
+                if (this.next % 16 === 0 && performance.now() > until) break;
+            }
+            this.pictures.clear();
         }
     }
 
@@ -532,7 +602,7 @@
             const v = (box.top + box.height / 2 - event.clientY) * scale;
             const from = this.centre.map((c, i) => c + u * right[i] + v * up[i] + 20 * eye[i]);
             const hit = this.card.surfaces.nearest(from, eye.map((x) => -x), false);
-            const [viewRight, viewUp, viewEye] = this.card.stone.view.basis;
+            const [viewRight, viewUp, viewEye] = this.card.view.basis;
             if (!hit || dot(hit.normal, viewEye) <= 0) return null;
             return { x: dot(hit.point, viewRight), y: dot(hit.point, viewUp) };
         }
@@ -572,7 +642,7 @@
                 else travelled = Infinity; // one of two fingers left: no click
                 if (!wasDown || event.type !== 'pointerup' || travelled > CLICK_SLACK) return;
                 const point = this.pick(event);
-                if (point) choose(point);
+                if (point) choose(point, this.card);
                 else announce('Only facets that the eye of the map sees can be chosen.');
             };
             this.canvas.addEventListener('pointerup', release);
@@ -619,9 +689,12 @@
                 'aria-label',
                 `Intensity map of ${card.stone.name}, seen from above. Arrow keys move the point whose ray is shown.`,
             );
-            this.picture = card.map.picture(card.stone);
             this.withLines = this.withVirtual = false;
-            this.halfWidth = (card.map.size * card.map.pitch) / 2;
+            // One scale for all tilts.
+            const scored = (card.map.size * card.map.pitch) / 2;
+            this.halfWidth = Math.max(scored, data.table.halfWidths[card.place]);
+            this.litFacets = [];
+            this.isWaiting = false;
             this.listen();
         }
 
@@ -638,15 +711,18 @@
         draw() {
             const { context, width } = fitted(this.canvas);
             const { toCanvas, pixels } = this.scale(width);
-            const { map, stone, path } = this.card;
-            const [viewRight, viewUp, viewEye] = stone.view.basis;
+            const { map, stone, path, view } = this.card;
+            const [viewRight, viewUp, viewEye] = view.basis;
             const onCanvas = (p) => toCanvas(dot(p, viewRight), dot(p, viewUp));
             context.clearRect(0, 0, width, width);
             const [left, top] = toCanvas(map.start - map.pitch / 2, -map.start + map.pitch / 2);
             const side = map.size * map.pitch * pixels;
             context.imageSmoothingEnabled = side * context.getTransform().a < 2 * map.size;
             context.imageSmoothingQuality = 'high';
-            context.drawImage(this.picture, left, top, side, side);
+            context.globalAlpha = lights.kind === null ? 1 : FADED;
+            context.drawImage(map.picture(), left, top, side, side);
+            context.globalAlpha = 1;
+            if (lights.kind !== null) context.drawImage(map.picture(lights.kind), left, top, side, side);
             if (this.withLines) {
                 context.beginPath();
                 for (const { from, to, facets } of this.card.geometry.outlines) {
@@ -658,16 +734,29 @@
                 context.strokeStyle = 'rgb(255 255 255 / 0.75)';
                 context.stroke();
             }
-            if (this.withVirtual) {
+            const outlines = this.card.isScored ? (stone.virtualFacets?.outlines ?? []) : [];
+            const outlined = (numbers) => {
                 context.beginPath();
-                for (const outline of stone.virtualFacets.outlines) {
+                for (const number of numbers) {
+                    const outline = outlines[number];
                     context.moveTo(...toCanvas(outline[0], outline[1]));
                     for (let k = 2; k < outline.length; k += 2) context.lineTo(...toCanvas(outline[k], outline[k + 1]));
                     context.closePath();
                 }
+            };
+            if (this.withVirtual) {
+                outlined(outlines.keys());
                 context.lineWidth = 0.7;
                 context.strokeStyle = 'rgb(0 0 0 / 0.6)';
                 context.stroke();
+            }
+            if (outlines.length && this.litFacets.length) {
+                outlined(this.litFacets);
+                for (const [style, lineWidth] of [['#000000', 4], ['#ffffff', 2]]) {
+                    context.strokeStyle = style;
+                    context.lineWidth = lineWidth;
+                    context.stroke();
+                }
             }
             if (path === null) return;
 
@@ -701,37 +790,74 @@
             }
         }
 
+        /** Draw again in the next frame. */
+        redraw() {
+            if (this.isWaiting) return;
+            this.isWaiting = true;
+            requestAnimationFrame(() => {
+                this.isWaiting = false;
+                this.draw();
+            });
+        }
+
+        /** Bring out some virtual facets, by their numbers. */
+        light(facets) {
+            const isSame = facets.length === this.litFacets.length && facets.every((f, i) => f === this.litFacets[i]);
+            if (isSame) return;
+            this.litFacets = facets;
+            this.redraw();
+        }
+
+        /** The number of the virtual facet at a point of the view; -1 for none. */
+        facetAt({ x, y }) {
+            const outlines = this.card.isScored ? (this.card.stone.virtualFacets?.outlines ?? []) : [];
+            return outlines.findIndex((outline) => {
+                for (let k = 0; k < outline.length; k += 2) {
+                    const next = (k + 2) % outline.length;
+                    const [ax, ay] = [outline[k], outline[k + 1]];
+                    // Convex and anticlockwise: a point inside is left of every edge.
+                    if ((outline[next] - ax) * (y - ay) < (outline[next + 1] - ay) * (x - ax)) return false;
+                }
+                return true;
+            });
+        }
+
         at(event) {
             const box = this.canvas.getBoundingClientRect();
             return this.scale(box.width).toView(event.clientX - box.left, event.clientY - box.top);
         }
 
         listen() {
-            const { map } = this.card;
             this.canvas.addEventListener('click', (event) => {
                 const isPlaced = event.clientX !== 0 || event.clientY !== 0; // not made by a program
-                if (isPlaced) choose(this.at(event));
+                if (isPlaced) choose(this.at(event), this.card);
             });
             this.canvas.addEventListener('pointermove', (event) => {
                 if (event.pointerType === 'touch') return;
+                const { map } = this.card;
                 const pixel = map.pixelAt(this.at(event));
                 const code = map.code(pixel);
+                this.card.pointAt(kinds[code], code === codes.outside ? -1 : this.facetAt(map.point(pixel)));
                 if (code === codes.outside) return tip.hide();
                 const path = this.card.trace(map.point(pixel));
                 const facet = path.facets.length ? `${facetName(this.card.stone.facetNames[path.facets[0]])}: ` : '';
                 const value = code < codes.rear ? `${number((code + 0.5) / codes.steps, 1)} %` : null;
                 tip.show(event, facet + (value ?? (code === codes.rear ? 'rear light' : 'trapped')));
             });
-            this.canvas.addEventListener('pointerleave', () => tip.hide());
+            this.canvas.addEventListener('pointerleave', () => {
+                this.card.pointAt(OUTSIDE, -1);
+                tip.hide();
+            });
             this.canvas.addEventListener('keydown', (event) => {
                 const moves = { ArrowLeft: [0, -1], ArrowRight: [0, 1], ArrowUp: [-1, 0], ArrowDown: [1, 0] };
                 if (!moves[event.key] || event.ctrlKey || event.metaKey || event.altKey) return;
                 event.preventDefault();
+                const { map } = this.card;
                 const step = STEPS[event.shiftKey ? 1 : 0] * Math.ceil(map.size / 1024);
                 const [rows, columns] = moves[event.key].map((n) => n * step);
                 const inside = (n) => Math.min(Math.max(n, 0), map.size - 1);
                 const { row, column } = this.card.pixel;
-                choose(map.point({ row: inside(row + rows), column: inside(column + columns) }));
+                choose(map.point({ row: inside(row + rows), column: inside(column + columns) }), this.card);
             });
             const { virtualFacets } = this.card.stone;
             for (const [name, property] of [['lines', 'withLines'], ['virtual', 'withVirtual']]) {
@@ -753,9 +879,10 @@
     // ---- A stone: stage, map, scores, ray --------------------------------------------------------------
 
     class Card {
-        constructor(stone) {
-            this.stone = stone;
-            this.map = new ScoredMap(stone.map);
+        constructor(stone, place) {
+            Object.assign(this, { stone, place, view: stone.view, isScored: true });
+            this.map = this.scored = new ScoredMap(stone.map);
+            this.traced = new Map();
             this.surfaces = GemTracer.surfacesOf(stone.solid);
             this.geometry = geometryOf(stone);
             this.path = null;
@@ -776,33 +903,95 @@
             this.stage = new Stage(find(root, '.stage'), this);
             this.mapView = new MapView(find(root, '.map'), this);
             this.fillScores();
+            this.fillAlike();
             new ResizeObserver(() => this.redraw()).observe(root);
             new IntersectionObserver(([entry]) => {
                 this.isInSight = entry.isIntersecting;
                 if (this.isInSight && this.isStale) this.redraw();
+                traceOn();
             }, { rootMargin: '50%' }).observe(root);
         }
 
         fillScores() {
-            const { root, stone } = this;
-            for (const key of ['average', 'rear'])
-                find(root, `.${key}`).append(number(stone.score[key], 2), element('small', {}, ' %'));
-            const rows = stone.score.bands.map((band, i) => [colours.bands[i], band.name, band.share]);
-            rows.push([colours.rear, 'Rear', stone.score.rear]);
-            if (stone.score.unsolved > 0) rows.push([colours.unsolved, 'Trapped', stone.score.unsolved]);
-            const widest = Math.max(...rows.map((row) => row[2]));
-            const body = find(root, '.bands tbody');
-            for (const [colour, name, share] of rows) {
-                const swatch = element('span', { className: 'swatch' });
-                const bar = element('i');
-                swatch.style.background = bar.style.background = colour;
-                bar.style.width = `${(62 * share) / widest}%`;
-                const value = element('span', {}, shareText(share));
-                const line = element('div', { className: 'bar' }, ...(share > 0 ? [bar] : []), value);
-                body.append(
-                    element('tr', {}, element('th', { scope: 'row' }, swatch, name), element('td', {}, line)),
-                );
+            const { root, stone, place } = this;
+            const { turn } = choices;
+            const value = (key) => values.value(place, turn, key);
+            for (const key of ['average', 'rear']) {
+                const bound = values.bound(place, turn, key);
+                const within = bound === null ? [] : [element('small', { className: 'bound' }, `±${boundText(bound)}`)];
+                find(root, `.${key}`).replaceChildren(number(value(key), 2), element('small', {}, ' %'), ...within);
             }
+            const ofBands = values.columns.filter(({ band }) => band !== null);
+            const rows = ofBands.map(({ key, band }) => [band, stone.score.bands[band].name, value(key)]);
+            rows.push([REAR, 'Rear', value('rear')]);
+            const unsolved = (value('trapped') ?? 0) + (value('lost') ?? 0);
+            if (unsolved > 0) rows.push([UNSOLVED, 'Trapped', unsolved]);
+            const widest = Math.max(...rows.map((row) => row[2]));
+            const made = rows.map(([kind, name, share]) => {
+                const bar = element('i');
+                bar.style.background = kindColour(kind);
+                bar.style.width = `${(62 * share) / widest}%`;
+                const line = element('div', { className: 'bar' }, ...(share > 0 ? [bar] : []), element('span', {}, shareText(share)));
+                const row = lightingRow(kind, name, line);
+                row.dataset.kind = kind;
+                hoverable(row, () => lights.point(kind), () => lights.point(null), () => lights.hold(kind));
+                return row;
+            });
+            find(root, '.shares tbody').replaceChildren(...made);
+            lights.show();
+        }
+
+        /** The largest virtual facets, those alike in one row. */
+        fillAlike() {
+            const { virtualFacets } = this.stone;
+            const table = find(this.root, '.alike');
+            this.alike = virtualFacets?.alike ?? [];
+            this.held = null;
+            table.hidden = this.alike.length === 0;
+            this.alikeRows = this.alike.map(({ share, intensity, rear, members }, i) => {
+                const kind = rear ? REAR : kindOf(intensity * codes.steps);
+                const name = `${members.length > 1 ? `${members.length} × ` : ''}${number(share, 3)} %`;
+                const row = lightingRow(kind, name, element('span', {}, rear ? 'rear light' : `${number(intensity, 1)} %`));
+                const show = (pointed) => this.mapView.light(pointed ?? this.alike[this.held]?.members ?? []);
+                hoverable(row, () => show(members), () => show(null), () => {
+                    this.held = this.held === i ? null : i;
+                    this.alikeRows.forEach((each, k) => press(each, k === this.held));
+                    show(null);
+                });
+                return row;
+            });
+            find(table, 'tbody').replaceChildren(...this.alikeRows);
+        }
+
+        /** Bring out in the tables what is pointed at in the map: a kind of light, and a virtual facet. */
+        pointAt(kind, facet) {
+            for (const row of this.root.querySelectorAll('[data-kind]'))
+                row.classList.toggle('lit', Number(row.dataset.kind) === kind);
+            scoreTable.mark(this.place, kind === REAR ? 'rear' : kind >= 0 ? kind : null);
+            this.alikeRows.forEach((row, i) => row.classList.toggle('lit', this.alike[i].members.includes(facet)));
+            this.mapView.light(facet >= 0 ? [facet] : (this.alike[this.held]?.members ?? []));
+        }
+
+        /** Show the stone at another tilt: its map, its scores, and the ray through the same point. */
+        setTurn() {
+            const { turn } = choices;
+            this.isScored = values.turns[turn] === 0;
+            this.view = this.isScored ? this.stone.view : { ...this.stone.view, basis: values.bases[turn] };
+            this.map = this.isScored ? this.scored : this.tracedMap(turn);
+            find(this.root, '.alike').hidden = !this.isScored || this.alike.length === 0;
+            const button = find(this.root, '[data-virtual]');
+            if (button) button.disabled = !this.isScored;
+            this.fillScores();
+        }
+
+        tracedMap(turn) {
+            const found = this.traced.get(turn) ?? new TracedMap((point) => this.trace(point, values.bases[turn]), this.mapView.halfWidth);
+            this.traced.delete(turn);
+            this.traced.set(turn, found); // the last one used is the last one
+            const [oldest] = this.traced.keys();
+            if (this.traced.size > Math.max(2, MOST_TRACED / cards.length)) this.traced.delete(oldest);
+            if (this.isInSight) found.trace(performance.now() + FIRST_TIME / cards.length);
+            return found;
         }
 
         facesEye(facet, eye) {
@@ -810,8 +999,8 @@
             return facet !== wall && dot(planes[planeFacet.indexOf(facet)], eye) > 0;
         }
 
-        trace({ x, y }) {
-            return GemTracer.trace(this.surfaces, data.optics, this.stone.view, this.stone.model, x, y);
+        trace({ x, y }, basis = this.view.basis) {
+            return GemTracer.trace(this.surfaces, data.optics, { basis }, this.stone.model, x, y);
         }
 
         /** Show the ray through the map's pixel at a point of the view. */
@@ -835,7 +1024,7 @@
             find(root, '.place').textContent = `x ${number(point.x, 3)}, y ${number(point.y, 3)} ${stone.unit}`;
             const isMissed = path.status === STATUS.MISSED;
             const swatch = find(ray, '.swatch');
-            swatch.style.background = isMissed ? 'transparent' : pathColour(stone, path);
+            swatch.style.background = isMissed ? 'transparent' : pathColour(path);
             find(ray, '.intensity b').replaceChildren(
                 ...(isMissed ? ['–'] : [number(path.intensity, 2), element('small', {}, ' %')]),
             );
@@ -848,6 +1037,8 @@
             find(ray, '.path').hidden = isMissed;
             find(ray, '.path').scrollTop = 0;
             find(ray, 'tbody').replaceChildren(...pathRows(path, stone.facetNames));
+            for (const row of root.querySelectorAll('[data-kind]'))
+                row.classList.toggle('here', Number(row.dataset.kind) === kinds[code]);
         }
 
         redraw() {
@@ -867,14 +1058,53 @@
         }
     }
 
+    /** A row with a swatch, which can be pointed at and pressed. */
+    function lightingRow(kind, name, content) {
+        const swatch = element('span', { className: 'swatch' });
+        swatch.style.background = kindColour(kind);
+        const button = element('button', { type: 'button' }, swatch, name);
+        button.setAttribute('aria-pressed', 'false');
+        return element('tr', {}, element('th', { scope: 'row' }, button), element('td', {}, content));
+    }
+
+    const press = (row, isHeld) => find(row, 'button').setAttribute('aria-pressed', String(isHeld));
+
+    function hoverable(row, enter, leave, click) {
+        row.addEventListener('pointerenter', (event) => event.pointerType !== 'touch' && enter());
+        row.addEventListener('pointerleave', leave);
+        find(row, 'button').addEventListener('click', click);
+    }
+
+    /** The band of light that is brought out in all maps: what is pointed at, or was pressed. */
+    const lights = {
+        pointed: null,
+        held: null,
+        get kind() {
+            return this.pointed ?? this.held;
+        },
+        point(kind) {
+            if (kind === this.pointed) return;
+            this.pointed = kind;
+            cards.forEach((card) => card.mapView.redraw());
+        },
+        hold(kind) {
+            this.held = this.held === kind ? null : kind;
+            this.show();
+            cards.forEach((card) => card.mapView.redraw());
+        },
+        show() {
+            for (const row of document.querySelectorAll('[data-kind]'))
+                press(row, Number(row.dataset.kind) === this.held);
+        },
+    };
+
     function shareText(share) {
         const digits = share === 0 || share >= 0.05 ? 1 : 2 - Math.ceil(Math.log10(share));
         return `${number(share, digits)} %`;
     }
 
-    function pathColour(stone, path) {
-        if (path.status !== STATUS.EXITED) return colours.unsolved;
-        return path.rear ? colours.rear : codeColour(stone, path.intensity * codes.steps);
+    function pathColour(path) {
+        return kindColour(kindOf(codeOf(path)));
     }
 
     function sentence(path, names) {
@@ -982,11 +1212,38 @@
         }, 350);
     }
 
-    const cards = data.stones.map((stone) => new Card(stone));
+    const choices = new GemScores.Choices(data);
+    const values = new GemScores.Values(data);
+    const cards = data.stones.map((stone, place) => new Card(stone, place));
+    let scoreTable; // made when the page is
 
-    /** Show the ray at the same point of every stone. */
-    function choose(point) {
-        for (const card of cards) card.choose(point);
+    /** Trace on at the maps of tilted views that are in sight, the coarsest first, frame by frame. */
+    let isTracing = false;
+    function traceOn() {
+        if (isTracing) return;
+        isTracing = true;
+        requestAnimationFrame(function step() {
+            const waiting = cards.filter((card) => card.isInSight && !card.map.isDone);
+            isTracing = waiting.length > 0;
+            if (!isTracing) return;
+            const card = waiting.reduce((a, b) => (b.map.stride > a.map.stride ? b : a));
+            card.map.trace(performance.now() + TRACING_TIME);
+            card.mapView.draw();
+            requestAnimationFrame(step);
+        });
+    }
+
+    /** Choose a point, in one of the stones. */
+    function choose(point, card) {
+        choices.set({ point, stone: card.place });
+    }
+
+    /** Show what was chosen: the tilt, and the ray at the same point of every stone. */
+    function showChosen(changed) {
+        if (!('turn' in changed || 'point' in changed)) return;
+        if ('turn' in changed) cards.forEach((card) => card.setTurn());
+        for (const card of cards) card.choose(choices.point);
+        traceOn();
         announce(
             cards
                 .map((card) => `${cards.length > 1 ? `${card.stone.name}: ` : ''}${number(card.path.intensity, 1)} %. ${card.sentence}`)
@@ -1003,7 +1260,7 @@
                 candidates.push({ x: radius * Math.cos(turn), y: radius * Math.sin(turn) });
             }
         const isGood = (point) => {
-            const path = cards[0].trace(point);
+            const path = cards[0].trace(point, cards[0].stone.view.basis);
             return path.intensity > 55 && path.reflections === 2;
         };
         return candidates.find(isGood) ?? candidates[0];
@@ -1032,21 +1289,8 @@
         const { stones } = data;
         const names = stones.length > 1 ? stones.map((stone) => stone.name) : [''];
         const ofEach = (value) => stones.map((stone) => value(stone));
-        const scores = [
-            { cells: ['Average', ...ofEach(({ score }) => `${number(score.average, 2)} %`)], strong: true },
-            { cells: ['Rear', ...ofEach(({ score }) => `${number(score.rear, 2)} %`)], swatch: colours.rear, strong: true },
-            ...stones[0].score.bands.map((band, i) => ({
-                cells: [band.name, ...ofEach(({ score }) => shareText(score.bands[i].share))],
-                swatch: colours.bands[i],
-            })),
-        ];
-        if (stones.some(({ score }) => score.unsolved > 0))
-            scores.push({ cells: ['Trapped', ...ofEach(({ score }) => shareText(score.unsolved))], swatch: colours.unsolved });
-        const comparison = document.getElementById('comparison');
-        comparison.hidden = stones.length === 1;
         find(document, '.tables').classList.toggle('many', stones.length > MOST_COLUMNS);
         find(document, '.reading').classList.toggle('wide', stones.length > 1);
-        table(find(comparison, 'table'), ['Intensity', ...names], scores);
 
         const proportions = document.getElementById('proportions');
         // Of stones of different cuts all that any of them has.
@@ -1069,6 +1313,62 @@
             (measured.length ? ` Means over the vertices: ${measured.join(', ')}.` : '');
     }
 
+    /** The table on top as paper has it: one for each measure, with its definition. */
+    function fillPaper() {
+        const names = data.stones.map((stone) => stone.name);
+        const upright = values.turns.indexOf(0);
+        const ofEach = (text) => names.map((_, stone) => text(stone));
+        const parts = values.groups.map((group, i) => {
+            const rows = values.columns.filter((column) => column.group === i).map((column) => ({
+                cells: [column.label, ...ofEach((stone) => {
+                    const value = values.value(stone, upright, column.key);
+                    return value === null ? '–' : number(value, column.decimals);
+                })],
+                swatch: column.band !== null ? colours.bands[column.band] : column.key === 'rear' ? colours.rear : null,
+                strong: i === 0 && column.band === null,
+            }));
+            const bounds = ofEach((stone) => values.bounds[stone][upright][i]);
+            if (bounds.some((bound) => bound !== null))
+                rows.push({ cells: ['Each within', ...bounds.map((bound) => (bound === null ? '–' : `±${boundText(bound)}`))] });
+            const made = element('table');
+            table(made, ['', ...names], rows);
+            const note = element('p', { className: 'note' }, `${GemScores.typeset(group.definition)}. Source: ${group.source}.`);
+            return element('div', {}, element('h2', {}, i === 0 ? 'Scores' : group.name), made, ...(i === 0 ? [] : [note]));
+        });
+        document.getElementById('comparison').append(...parts);
+    }
+
+    /** The table on top and the tilts, unless the only stone's own scores are all there is. */
+    function fillTop() {
+        const top = document.getElementById('scores');
+        const isAlone = data.stones.length === 1 && values.groups.length === 1;
+        top.hidden = isAlone && values.turns.length === 1;
+        document.getElementById('comparison').hidden = isAlone;
+        if (!isAlone) fillPaper();
+        scoreTable = new GemScores.ScoreTable(top, {
+            values, choices, colours, show: (stone) => showStone(stone),
+            point: (band) => lights.point(band === 'rear' ? REAR : band),
+        });
+        new GemScores.Tilts(find(top, '.tilt'), document.getElementById('curve'), { values, choices, tip });
+        new ResizeObserver(() => {
+            document.documentElement.style.setProperty('--top', `${top.offsetHeight}px`);
+        }).observe(top);
+    }
+
+    /** Bring a stone into sight. */
+    function showStone(stone) {
+        choices.set({ stone });
+        cards[stone].root.scrollIntoView({ block: 'start' });
+    }
+
+    /** Take over what the link says. */
+    function followLink() {
+        choices.read();
+        choices.point ??= firstPoint();
+        for (const hear of choices.hear) hear(choices);
+        if (choices.stone > 0) cards[choices.stone].root.scrollIntoView({ block: 'start' });
+    }
+
     function fillHeading() {
         const { stones } = data;
         document.getElementById('title').textContent =
@@ -1082,7 +1382,7 @@
         ].join(' ');
         const engines = unique(stones.map((stone) => stone.engineText));
         document.getElementById('generator').textContent =
-            `${data.generator}. Map: ${engines}. The ray is traced in this page, in double precision. ` +
+            `${data.generator}. Map: ${engines}. The ray${values.turns.length > 1 ? ', and the map of tilted stones,' : ''} is traced in this page, in double precision. ` +
             'The stone is drawn by three.js (MIT licence).';
     }
 
@@ -1100,16 +1400,24 @@
         document.getElementById('print').addEventListener('click', () => window.print());
         document.addEventListener('scroll', () => tip.hide(), { passive: true });
         PAPER.addEventListener('change', () => cards.forEach((card) => card.draw()));
-        window.addEventListener('beforeprint', () => cards.forEach((card) => card.draw()));
+        window.addEventListener('beforeprint', () => {
+            for (const card of cards) {
+                if (!card.map.isDone) card.map.trace(Infinity);
+                card.draw();
+            }
+        });
     }
 
     async function start() {
         listenToPage();
         fillHeading();
         fillTables();
+        fillTop();
         const parent = document.getElementById('stones');
         for (const card of cards) await card.build(parent);
-        choose(firstPoint());
+        choices.hear.push(showChosen);
+        followLink();
+        window.addEventListener('hashchange', followLink);
         requestAnimationFrame(() => requestAnimationFrame(() => {
             document.documentElement.dataset.ready = 'true';
         }));
