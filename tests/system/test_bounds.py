@@ -22,6 +22,8 @@ TILTED = View(resolution=1, tilt_deg=20.0, tilt_azimuth_deg=33.0)
 OF_ONE_VIEW = [of for of in measures() if of.views == "one"]
 #: Shares that make a whole make 100 within this [%].
 WHOLE = 1e-6
+#: Means of 128 x 128 pixels against the exact value [%].
+PIXELS = 0.5
 
 
 def test_bounds_hold_of_stones_of_all_kinds():
@@ -91,10 +93,6 @@ def test_the_example_of_the_page_runs(capsys):
     stone = found["stone"]
     maps = gemrender.measure_maps(stone, measures=found["Overhead"](), resolution=128)
     assert maps.values["overhead"]["value"] == pytest.approx(overhead.values["value"], abs=PIXELS)
-
-
-#: Means of 128 x 128 pixels against the exact value [%].
-PIXELS = 0.5
 
 
 def test_the_page_tells_of_every_measure():
