@@ -66,7 +66,10 @@ _PIECES = 128
 _UNITS = {"girdle radius": "girdle radii", "half length": "half lengths"}
 
 #: Scripts of the page in `assets`, each after those that it takes names from.
-SCRIPTS = ("tracer", "scores", "state", "light", "ray", "stone", "stage", "map", "card", "page")
+SCRIPTS = (
+    "tracer", "dom", "choices", "scores", "tilts",
+    "state", "light", "ray", "stone", "stage", "map", "card", "page",
+)  # fmt: skip
 
 _ASSETS = resources.files("gemrender.report").joinpath("assets")
 

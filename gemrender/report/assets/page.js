@@ -134,7 +134,7 @@
             values, choices, colours, show: (stone) => showStone(stone),
             point: (band) => lights.point(band === 'rear' ? REAR : band),
         });
-        new GemScores.Tilts(find(top, '.tilt'), document.getElementById('curve'), { values, choices, tip });
+        new GemTilts.Tilts(find(top, '.tilt'), document.getElementById('curve'), { values, choices, tip });
         new ResizeObserver(() => {
             document.documentElement.style.setProperty('--top', `${top.offsetHeight}px`);
         }).observe(top);

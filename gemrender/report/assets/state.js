@@ -6,7 +6,7 @@
 const GemPage = (() => {
     const { find } = GemDom;
     const data = JSON.parse(document.getElementById('data').textContent);
-    const choices = new GemScores.Choices(data);
+    const choices = new GemChoices.Choices(data);
     const values = new GemScores.Values(data);
     /** One for each stone, in the data's order; filled when the page is made. */
     const cards = [];
