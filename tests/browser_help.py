@@ -11,7 +11,7 @@ from typing import Any
 
 from gemrender.observation import RayStatus
 
-#: What is drawn at its edge of the map's canvas around the stone (page.js, MAP_MARGIN).
+#: What is drawn at its edge of the map's canvas around the stone (map.js, MAP_MARGIN).
 MAP_MARGIN = 0.03
 #: Least contrast of text to its ground (WCAG 2, level AA).
 LEAST_CONTRAST = 4.5

@@ -65,6 +65,12 @@ _PIECES = 128
 #: What lengths of a stone count, by `length_unit`, in the plural.
 _UNITS = {"girdle radius": "girdle radii", "half length": "half lengths"}
 
+#: Scripts of the page in `assets`, each after those that it takes names from.
+SCRIPTS = (
+    "tracer", "dom", "choices", "scores", "tilts",
+    "state", "light", "ray", "stone", "stage", "map", "card", "page",
+)  # fmt: skip
+
 _ASSETS = resources.files("gemrender.report").joinpath("assets")
 
 
@@ -152,9 +158,7 @@ def report_html(stones: Iterable[Shown]) -> str:
         "style": _asset("page.css"),
         "data": _json(data),
         "three": f"/*!\n{licence}\n*/\n{_asset('three.min.js')}",
-        "tracer": _asset("tracer.js"),
-        "scores": _asset("scores.js"),
-        "page": _asset("page.js"),
+        "scripts": "\n".join(f"<script>\n{_asset(f'{name}.js')}\n</script>" for name in SCRIPTS),
     }
     # In one pass: nothing that is put in is looked at again.
     return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], _asset("page.html"))

@@ -25,6 +25,7 @@ LAYERS: list[dict[str, set[str]]] = [
     {"cuts": {"numpy", "scipy", "defusedxml", "trimesh", "srn_parser"}},
     {"templates": set()},
     {"colorimetry": {"numpy", "colour"}},
+    {"measurement": {"numpy"}},
     {"observation": {"numpy"}},
     {"paths": {"numpy"}},
     {"measures": {"numpy"}},

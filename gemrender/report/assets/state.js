@@ -1,0 +1,90 @@
+'use strict';
+
+// What the stones of the page share: the data, what is chosen, the band of light that is brought out, and what is
+// said beside the pointer and aloud; the cards and the table on top are made by `page.js`. All data is in #data.
+
+const GemPage = (() => {
+    const { find } = GemDom;
+    const data = JSON.parse(document.getElementById('data').textContent);
+    const choices = new GemChoices.Choices(data);
+    const values = new GemScores.Values(data);
+    /** One for each stone, in the data's order; filled when the page is made. */
+    const cards = [];
+
+    /** Time in each frame for tracing the maps of tilted views [ms]. */
+    const TRACING_TIME = 12;
+
+    const tip = {
+        box: document.getElementById('tip'),
+        show(event, text) {
+            this.box.textContent = text;
+            this.box.hidden = false;
+            const { width, height } = this.box.getBoundingClientRect();
+            const left = Math.min(event.clientX + 14, document.documentElement.clientWidth - width - 6);
+            this.box.style.left = `${left}px`;
+            this.box.style.top = `${Math.max(event.clientY - height - 10, 4)}px`;
+        },
+        hide() {
+            this.box.hidden = true;
+        },
+    };
+
+    let announcing = 0;
+    function announce(text) {
+        clearTimeout(announcing); // only where the point comes to rest
+        announcing = setTimeout(() => {
+            document.getElementById('announce').textContent = text;
+        }, 350);
+    }
+
+    /** Trace on at the maps of tilted views that are in sight, the coarsest first, frame by frame. */
+    let isTracing = false;
+    function traceOn() {
+        if (isTracing) return;
+        isTracing = true;
+        requestAnimationFrame(function step() {
+            const waiting = cards.filter((card) => card.isInSight && !card.map.isDone);
+            isTracing = waiting.length > 0;
+            if (!isTracing) return;
+            const card = waiting.reduce((a, b) => (b.map.stride > a.map.stride ? b : a));
+            card.map.trace(performance.now() + TRACING_TIME);
+            card.mapView.draw();
+            requestAnimationFrame(step);
+        });
+    }
+
+    /** Choose a point, in one of the stones. */
+    function choose(point, card) {
+        choices.set({ point, stone: card.place });
+    }
+
+    const press = (row, isHeld) => find(row, 'button').setAttribute('aria-pressed', String(isHeld));
+
+    /** The band of light that is brought out in all maps: what is pointed at, or was pressed. */
+    const lights = {
+        pointed: null,
+        held: null,
+        get kind() {
+            return this.pointed ?? this.held;
+        },
+        point(kind) {
+            if (kind === this.pointed) return;
+            this.pointed = kind;
+            cards.forEach((card) => card.mapView.redraw());
+        },
+        hold(kind) {
+            this.held = this.held === kind ? null : kind;
+            this.show();
+            cards.forEach((card) => card.mapView.redraw());
+        },
+        show() {
+            for (const row of document.querySelectorAll('[data-kind]'))
+                press(row, Number(row.dataset.kind) === this.held);
+        },
+    };
+
+    return {
+        data, choices, values, cards, tip, announce, traceOn, choose, press, lights,
+        scoreTable: null, // made when the page is
+    };
+})();
