@@ -285,7 +285,9 @@ def add_measures(
     options: dict[str, Any],
 ) -> Score:
     """Return a score by pixels with what measures say of its engine's paths."""
-    from gemrender.measures.tally import Tally
+    import numpy as np
+
+    from gemrender.measures.tally import SETS, Tally, bounds_of_sets
     from gemrender.observation import MeasureValues
     from gemrender.request import resolve
 
@@ -300,7 +302,7 @@ def add_measures(
     view, model = resolve(stone, options.get("view"), options.get("model"), short)
     tally = Tally(view, model, measures, head)
     of_paths = {key: options[key] for key in ("variant", "seed", "progress") if key in options}
-    sets = _SETS if engine_for(engine, stone) == "mitsuba" else 1
+    sets = SETS if engine_for(engine, stone) == "mitsuba" else 1
     # As many rays, in sets: their scatter tells the error.
     coarser = replace(view, resolution=max(round(view.resolution / sets**0.5), 1))
     paths = trace_paths(
@@ -316,22 +318,13 @@ def add_measures(
                 name=of.name,
                 version=of.version,
                 values=dict(zip(of.keys, map(float, each), strict=True)),
-                bound=None if sets == 1 else _bound(spread),
+                bound=None if sets == 1 else float(np.nanmax(bounds_of_sets(spread), initial=0.0)),
             )
             for of, each, spread in zip(measures, values, scatter, strict=True)
         ),
     )
 
 
-def _bound(values: np.ndarray) -> float:
-    """Return the bound that values of sets (_SETS, k) give their mean, with a confidence of 99.9 %."""
-    import numpy as np
-
-    return float(_STUDENT_T / _SETS**0.5 * np.nanmax(values.std(axis=0, ddof=1), initial=0.0))
-
-
-#: Independent sets of Mitsuba's rays, and Student's t for the mean of so many, two-sided, 99.9 %.
-_SETS, _STUDENT_T = 16, 4.073
 _EDGES = tuple(zip(BAND_EDGES, (None, *BAND_EDGES[:-1]), strict=True))
 #: Lower edges of the classes of virtual facets by size [% of the view].
 _SIZE_CLASSES = (1.0, 0.1, 0.01, 0.001, 0.0)

@@ -18,13 +18,14 @@ from gemrender.beam.compiled import STEP
 from gemrender.beam.derivatives import Derivative, Sensitivity, facet_totals, result
 from gemrender.beam.facets import trace_facets
 from gemrender.beam.measure import facet_sums
-from gemrender.beam.near_girdle import CELLS, SETS, STUDENT_T, NearGirdle
+from gemrender.beam.near_girdle import CELLS, NearGirdle
 from gemrender.beam.solid import beam_stone
 from gemrender.cuts.round_brilliant import RoundBrilliant
 from gemrender.cuts.round_brilliant.planes import facet_planes
 from gemrender.cuts.round_brilliant.proportions import brilliant_vertices
 from gemrender.errors import InputError
 from gemrender.measures.inoue import INTENSITY, MET, REAR
+from gemrender.measures.tally import bounds_of_sets
 from gemrender.observation import LIGHT_LEVEL, Model, View
 from gemrender.stone import Stone
 
@@ -185,8 +186,7 @@ def _derivatives(proportions: RoundBrilliant, slopes: dict[str, np.ndarray]) -> 
     rows += [(name, "angles", unit, slope) for name, (unit, slope) in angles.items()]
     out = []
     for name, kept, unit, slope in rows:
-        (average, rear), spread = slope.mean(axis=0), slope.std(axis=0, ddof=1) / math.sqrt(SETS)
-        bounds = [float(STUDENT_T * s) for s in spread]
+        (average, rear), bounds = slope.mean(axis=0), [float(bound) for bound in bounds_of_sets(slope)]
         out.append(
             Derivative(
                 parameter=name, kept=kept, unit=unit, average=float(average), rear=float(rear),

@@ -15,7 +15,7 @@ import numpy as np
 from gemrender.beam.budget import Budget
 from gemrender.beam.compiled import jit
 from gemrender.beam.crossing import into_stone
-from gemrender.beam.near_girdle import SETS, STUDENT_T, by_sets
+from gemrender.beam.near_girdle import by_sets, more_rays
 from gemrender.beam.rays import (
     COS_ENTRY,
     DIRECTION,
@@ -36,7 +36,7 @@ from gemrender.beam.rays import (
 from gemrender.beam.solid import BeamStone
 from gemrender.errors import InputError
 from gemrender.measures.measure import Measure
-from gemrender.measures.tally import Tally
+from gemrender.measures.tally import SETS, Tally, bounds_of_sets
 from gemrender.observation import MeasureValues, Model, View
 from gemrender.stone.facets import CROWN
 from gemrender.stone.mesh import tessellate
@@ -105,15 +105,13 @@ def measure_hemisphere(
 
         total += by_sets(some_sets, SETS)
         done = last
-        errors = [
-            STUDENT_T / np.sqrt(SETS) * values.std(axis=0, ddof=1) for values in tally.values(total / done)
-        ]
+        errors = [bounds_of_sets(values) for values in tally.values(total / done)]
         largest = 100.0 * float(max(error.max() for error in errors))
         is_late = budget is not None and budget.left <= 0.0
         if done == wanted:
             if largest <= bound or is_late or wanted >= _MOST:
                 break
-            wanted = int(wanted * min(max(1.2 * (largest / bound) ** 1.6, 1.5), 8.0))
+            wanted = more_rays(wanted, largest, bound)
         elif is_late:
             break
         if progress is not None:

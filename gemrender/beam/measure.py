@@ -11,13 +11,13 @@ import numpy as np
 from gemrender.beam.budget import Budget
 from gemrender.beam.facets import FacetStatus, VirtualFacets, trace_facets
 from gemrender.beam.hemisphere import measure_hemisphere
-from gemrender.beam.near_girdle import SETS, STUDENT_T, NearGirdle
+from gemrender.beam.near_girdle import NearGirdle, more_rays
 from gemrender.beam.solid import BeamStone, beam_stone
 from gemrender.errors import InputError
 from gemrender.measures.inoue import BANDS, INTENSITY, LOST, MET, REAR, TRAPPED
 from gemrender.measures.measure import HEAD_DEG, Measure
 from gemrender.measures.registry import measure_named
-from gemrender.measures.tally import REST, Tally
+from gemrender.measures.tally import REST, SETS, Tally, bounds_of_sets
 from gemrender.observation import Measurement, MeasureValues, Model, View, bound_text
 from gemrender.paths import Paths
 from gemrender.stone import Stone
@@ -186,9 +186,7 @@ def _settle(
         allowed = max(wanted - found.unsolved, 0.5 * wanted)
         if found.scatter <= allowed or rays >= _MOST_RAYS or near.stopped:
             return found
-        # The error falls as the 3/4th power of the number of rays, and where they run about the girdle for
-        # long, so that any two of them part, as its root: something between.
-        rays = int(rays * min(max(1.2 * (found.scatter / allowed) ** 1.6, 1.5), 8.0))
+        rays = more_rays(rays, found.scatter, allowed)
 
 
 class _Found:
@@ -210,11 +208,11 @@ class _Found:
         each = 100.0 * sums / sums[:, [MET]]
         self.scores = each.mean(axis=0)
         trapped = float(self.scores[TRAPPED] + self.scores[LOST])
-        scatter = float(np.hypot(_scatter(each[:, :MET]).max(), 100.0 * unseen[0] / self.area))
+        scatter = float(np.hypot(bounds_of_sets(each[:, :MET]).max(), 100.0 * unseen[0] / self.area))
         self.bound = scatter + trapped
         areas = [unseen[of.follow == "all"] for of in tally.measures]
         self._errors = [
-            np.hypot(_scatter(values), missed)
+            np.hypot(bounds_of_sets(values), missed)
             for values, missed in zip(tally.values(sums), tally.changes(self._mean, areas), strict=True)
         ]
         self.unsolved = trapped + (float(self.scores[REST]) if tally.follows_all else 0.0)
@@ -240,11 +238,6 @@ class _Found:
                 self._tally.measures, self._tally.values(self._mean), self._errors, strict=True
             )
         )
-
-
-def _scatter(values: np.ndarray) -> np.ndarray:
-    """Return the bounds (k,) that values of sets (SETS, k) give their mean."""
-    return np.asarray(STUDENT_T / np.sqrt(SETS) * values.std(axis=0, ddof=1))
 
 
 def _sums(tally: Tally, facets: VirtualFacets) -> np.ndarray:

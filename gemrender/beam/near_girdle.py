@@ -24,21 +24,19 @@ from gemrender.beam.rim import rim_points
 from gemrender.beam.solid import BeamStone
 from gemrender.beam.view_area import view_area
 from gemrender.measures.inoue import MET
-from gemrender.measures.tally import Tally
+from gemrender.measures.tally import SETS, Tally
 from gemrender.observation import RayStatus
 from gemrender.paths import Paths
 
-__all__ = ["CELLS", "RIM", "SETS", "STUDENT_T", "NearGirdle", "by_sets"]
+__all__ = ["CELLS", "RIM", "STEPS", "NearGirdle", "by_sets", "more_rays"]
 
-#: Independent sets of rays; Student's t for their mean with 15 degrees of freedom, two-sided, 99.9 %. More
-#: sets have a smaller t, and fewer rays each: for the same rays 16 give the smallest bound.
-SETS, STUDENT_T = 16, 4.073
 #: The regions that rays are spread over: girdle cells of principal light, the rim, and, where all light is
 #: followed, cells of what has been reflected in part.
 CELLS, RIM, LATER = 0, 1, 2
 
 _PLASTIC = 1.3247179572447460
-_STEPS = np.array([1 / _PLASTIC, 1 / _PLASTIC**2])
+#: Roberts' R2 sequence: multiples of these.
+STEPS = np.array([1 / _PLASTIC, 1 / _PLASTIC**2])
 #: The golden ratio as a fraction of 2^64: multiples of it are far apart.
 _ODD = np.uint64(0x9E3779B97F4A7C15)
 #: What of one ray's share light can be that no ray has met, with the probability 1 - 0.999 (two-sided): of n
@@ -171,7 +169,7 @@ class NearGirdle:
 
     def _unit(self, k: int, done: int, last: int) -> np.ndarray:
         """Return the next points of the unit square for a region, (SETS, last - done, 2)."""
-        unit = self._shifts[:, k, None] + np.arange(done + 1, last + 1)[:, None] * _STEPS
+        unit = self._shifts[:, k, None] + np.arange(done + 1, last + 1)[:, None] * STEPS
         return np.asarray(unit - np.floor(unit))
 
     def _states(self, sets: int, n: int) -> np.ndarray:
@@ -213,6 +211,15 @@ class NearGirdle:
         differs = rim - rim[:, [MET]] * (mean / mean[MET] if mean[MET] > 0 else 0.0)
         others = np.delete(self.sums, RIM, axis=1).sum(axis=1)
         return np.asarray(others + scale * (mean + differs))
+
+
+def more_rays(rays: int, error: float, wanted: float) -> int:
+    """Return how many rays should have a wanted error, if so many have another one.
+
+    The error falls as the 3/4th power of the number of rays, and where they run about the girdle for long, so
+    that any two of them part, as its root: something between.
+    """
+    return int(rays * min(max(1.2 * (error / wanted) ** 1.6, 1.5), 8.0))
 
 
 def by_sets(work: Callable[[slice], np.ndarray], sets: int) -> np.ndarray:

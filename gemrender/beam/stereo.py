@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gemrender.beam.near_girdle import SETS, STUDENT_T, by_sets
+from gemrender.beam.near_girdle import STEPS, by_sets, more_rays
 from gemrender.beam.rays import (
     COS_ENTRY,
     DIRECTION,
@@ -17,12 +17,11 @@ from gemrender.beam.rays import (
 )
 from gemrender.beam.solid import BeamStone
 from gemrender.measures.aset import ZONE_LIMITS
+from gemrender.measures.tally import SETS, bounds_of_sets
 from gemrender.observation import Model, RayStatus, View
 
 __all__ = ["disagreement"]
 
-_PLASTIC = 1.3247179572447460
-_STEPS = np.array([1 / _PLASTIC, 1 / _PLASTIC**2])
 #: Places of a set at first, at a time, and at the most.
 _FIRST, _BLOCK, _MOST = 256, 1 << 13, 1 << 20
 
@@ -67,7 +66,7 @@ def disagreement(
     found, done, wanted = np.zeros((SETS, 2)), 0, _FIRST  # places that differ, and all
     while True:
         last = min(done + _BLOCK, wanted)
-        unit = (shifts + np.arange(done + 1, last + 1)[:, None] * _STEPS) % 1.0
+        unit = (shifts + np.arange(done + 1, last + 1)[:, None] * STEPS) % 1.0
 
         def some_sets(part: slice, unit: np.ndarray = unit) -> np.ndarray:
             points = half * (2.0 * unit[part] - 1.0)
@@ -86,10 +85,10 @@ def disagreement(
         if done < wanted:
             continue
         shares = 100.0 * found[:, 0] / np.maximum(found[:, 1], 1.0)
-        error = float(STUDENT_T / np.sqrt(SETS) * shares.std(ddof=1))
+        error = float(bounds_of_sets(shares))
         if error <= bound or wanted >= _MOST:
             return float(100.0 * found[:, 0].sum() / max(found[:, 1].sum(), 1.0)), error
-        wanted = int(wanted * min(max(1.2 * (error / bound) ** 1.6, 1.5), 8.0))
+        wanted = more_rays(wanted, error, bound)
 
 
 def _zones(

@@ -12,7 +12,11 @@ from gemrender.measures.measure import HEAD_DEG, Light, Measure
 from gemrender.observation import Model, RayStatus, View
 from gemrender.paths import Paths
 
-__all__ = ["REST", "Tally"]
+__all__ = ["REST", "SETS", "STUDENT_T", "Tally", "bounds_of_sets"]
+
+#: Independent sets of rays; Student's t for their mean with 15 degrees of freedom, two-sided, 99.9 %. More
+#: sets have a smaller t, and fewer rays each: for the same rays 16 give the smallest bound.
+SETS, STUDENT_T = 16, 4.073
 
 #: What is summed up behind Inoue's sums: area times share of later light that is still inside at the end.
 REST = inoue.N_SUMS
@@ -108,6 +112,11 @@ class Tally:
             change = np.abs(more - measure.values(of, sums[inoue.MET]))
             out.append(change.max(axis=0, initial=0.0))
         return out
+
+
+def bounds_of_sets(values: np.ndarray) -> np.ndarray:
+    """Return the bounds (k,) that values of sets (SETS, k) give their mean, with a confidence of 99.9 %."""
+    return np.asarray(STUDENT_T / np.sqrt(SETS) * values.std(axis=0, ddof=1))
 
 
 def _sums(paths: Paths, added: np.ndarray, n_sets: int) -> np.ndarray:
