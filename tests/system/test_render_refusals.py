@@ -26,7 +26,7 @@ BAD_INPUT = {
     f"{RENDER} --material unobtainium": "--material = 'unobtainium': must be one of blue sapphire, ",
     f"{RENDER} --material no.toml": "no.toml: no such file",
     "render odd.toml -o a.png": "odd.toml: material.name = 'unobtainium': must be one of blue sapphire, ",
-    f"{RENDER} --setup studoi": "--setup = 'studoi': must be a set-up file or one of fire, ",
+    f"{RENDER} --setup studoi": "--setup = 'studoi': must be a set-up file or one of arrows, ",
     f"{RENDER} --setup no.toml": "no.toml: no such file",
     f"{RENDER} --setup dark.toml": "dark.toml: [[light]]: needs a light or a sky with a radiance above 0",
     f"{RENDER} --setup near.toml": "near.toml: camera.distance = 0.3: is too near to see Inoue sample 3 ",
@@ -73,7 +73,7 @@ BAD_INPUT = {
     f"{RENDER} --variant spectral": "--variant = 'spectral': must be a spectral variant, ",
     f"{RENDER} --variant x_spectral": "--variant = 'x_spectral': must be one of llvm_ad_rgb, ",
     # ---- Scenes ----
-    f"{SCENE} --setup studoi": "--setup = 'studoi': must be a set-up file or one of fire, ",
+    f"{SCENE} --setup studoi": "--setup = 'studoi': must be a set-up file or one of arrows, ",
     f"{SCENE} --setup near.toml": "near.toml: camera.distance = 0.3: is too near to see ",
     f"{SCENE} --setup studio --resolution 9": "--resolution: is for the scored scene only, not with --setup",
     f"{SCENE} --setup studio --resolution 1024": "--resolution: is for the scored scene only, not with ",
