@@ -30,7 +30,7 @@ import numpy as np
 from benchmark_exact import one_core
 
 from gemrender.beam import beam_stone, measure, prepare
-from gemrender.beam.rays import INSIDE, STATUS, Rays, empty_rays, enter_rays, follow_rays
+from gemrender.beam.rays import INSIDE, STATUS, Rays, chosen_rays, empty_rays, enter_rays, follow_rays
 from gemrender.cuts import RoundBrilliant, load_stone
 from gemrender.cuts.random import random_brilliant
 from gemrender.observation import MOST_REFLECTIONS, View
@@ -257,9 +257,7 @@ def _blocks(rays: Rays) -> list[Rays]:
     """Return copies of the rays that are inside."""
     inside = np.flatnonzero(rays.facts[STATUS] == INSIDE)
     parts = np.array_split(inside, -(-len(inside) // RAYS_A_BLOCK))
-    return [
-        Rays(rays.numbers.take(part, axis=1), rays.facts.take(part, axis=1), rays.random) for part in parts
-    ]
+    return [chosen_rays(rays, part) for part in parts]
 
 
 def _follow(solid: Any, facet: np.ndarray, rays: Rays) -> int:

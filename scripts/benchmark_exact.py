@@ -30,6 +30,7 @@ from gemrender.beam.rays import (
     INSIDE,
     STATUS,
     Rays,
+    chosen_rays,
     empty_rays,
     enter_rays,
     follow_rays,
@@ -130,12 +131,7 @@ def girdle_rays(stone: Stone, number: int) -> tuple[BeamStone, Rays]:
     ready, view = beam_stone(stone), View(resolution=1, tilt_deg=30, tilt_azimuth_deg=10)
     places, rays = np.random.default_rng(1).uniform(-1, 1, (number, 2)), empty_rays(number)
     enter_rays(places, view.basis(), ready.solid, ready.facet, MODEL.index, rays)
-    return ready, chosen(rays, np.flatnonzero(rays.facts[STATUS] == INSIDE))
-
-
-def chosen(rays: Rays, columns: np.ndarray) -> Rays:
-    """Return copies of some rays."""
-    return Rays(rays.numbers.take(columns, axis=1), rays.facts.take(columns, axis=1), rays.random)
+    return ready, chosen_rays(rays, np.flatnonzero(rays.facts[STATUS] == INSIDE))
 
 
 def single_rays(repeats: int) -> None:
@@ -147,16 +143,16 @@ def single_rays(repeats: int) -> None:
     ready, inside = girdle_rays(load_stone("fish-eye"), 200_000)
 
     def follow(part: np.ndarray) -> int:
-        rays = chosen(inside, part)
+        rays = chosen_rays(inside, part)
         return int(follow_rays(ready.solid, ready.facet, MODEL.index, MODEL.max_reflections, rays))
 
-    every_ray = np.arange(inside.facts.shape[1])
+    every_ray = np.flatnonzero(inside.facts[STATUS] == INSIDE)
     parts = np.array_split(every_ray, 4 * cores)
     met = follow(every_ray)
     with one_core() as where:
         one = seconds(lambda: follow(every_ray), repeats)
         normals = np.ascontiguousarray(ready.solid.values[:, :3].T)
-        directions = np.ascontiguousarray(inside.numbers[DIRECTION:COS_ENTRY].T)
+        directions = np.ascontiguousarray(inside.numbers[DIRECTION:COS_ENTRY, every_ray].T)
         product = seconds(lambda: directions @ normals, repeats) * met / len(every_ray)
     with ThreadPoolExecutor(cores) as threads:
         every = seconds(lambda: list(threads.map(follow, parts)), repeats)

@@ -230,6 +230,6 @@ def _fill_from_rays(
         "exit_direction": np.where(exits, paths.exit_direction, 0.0),
         "entry_facet": paths.entry_facet,
         "exit_facet": paths.exit_facet,
-        "path_code": rays.facts[CODE],
+        "path_code": rays.facts[CODE, : len(at)],
     }.items():
         maps[name][pixel] = value

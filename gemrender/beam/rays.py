@@ -20,11 +20,13 @@ from gemrender.optics.fresnel import LEAST_TOTAL
 from gemrender.paths import Paths
 from gemrender.stone import Stone
 
-__all__ = ["INSIDE", "STATUS", "Rays", "empty_rays", "enter_rays", "follow_rays", "ray_paths"]
+__all__ = ["INSIDE", "STATUS", "Rays", "chosen_rays", "empty_rays", "enter_rays", "follow_rays", "ray_paths"]
 
 
 class Rays(NamedTuple):
     """Rays, in columns of n; where all light is followed, of 2 n: those after n are of later exits.
+
+    There may be some more columns, of nothing.
 
     numbers : (m, n) float64
         Rows: position [girdle radius] and direction (of a ray that has left, where and in which it did),
@@ -51,6 +53,8 @@ POINT, DIRECTION, COS_ENTRY, COS_EXIT, WEIGHT, FACTOR, NORMAL, UNFOLD = 0, 3, 6,
 _NUMBERS, _NUMBERS_OF_ALL = 8, 22
 STATUS, REFLECTIONS, PARTIAL, ENTRY, EXIT, CODE = range(6)
 _FACTS = 6
+#: Numbers in a line of the processor's cache.
+_LINE = 8
 
 #: Rays side by side, and how many of them one vector instruction takes at the most.
 _LANES, _VECTOR = 32, 8
@@ -76,8 +80,24 @@ _TRAPPED, _LOST = int(RayStatus.TRAPPED), int(RayStatus.LOST)
 def empty_rays(n: int, random: np.ndarray | None = None) -> Rays:
     """Return n rays that have met nothing; for all light, if states of random numbers (n,) are given."""
     if random is None or len(random) < n:
-        return Rays(np.zeros((_NUMBERS, n)), np.zeros((_FACTS, n), np.int64), np.empty(0, np.uint64))
-    return Rays(np.zeros((_NUMBERS_OF_ALL, 2 * n)), np.zeros((_FACTS, 2 * n), np.int64), random)
+        return _room(_NUMBERS, n, np.empty(0, np.uint64))
+    return _room(_NUMBERS_OF_ALL, 2 * n, random)
+
+
+def _room(rows: int, columns: int, random: np.ndarray) -> Rays:
+    """Return empty rays, in rows whose places do not fall on one another in the processor's cache.
+
+    A ray is a column: were rows a power of two apart, those of one ray would drive each other out.
+    """
+    width = _LINE * (-(-columns // _LINE) | 1)
+    return Rays(np.zeros((rows, width)), np.zeros((_FACTS, width), np.int64), random)
+
+
+def chosen_rays(rays: Rays, columns: np.ndarray) -> Rays:
+    """Return copies of some rays that principal light is followed of."""
+    out, n = empty_rays(len(columns)), len(columns)
+    out.numbers[:, :n], out.facts[:, :n] = rays.numbers[:, columns], rays.facts[:, columns]
+    return out
 
 
 @jit_fast
@@ -418,8 +438,10 @@ def ray_paths(
     set_number : (n,) int64, optional
         The set that each belongs to, and its later exit too.
     """
-    numbers, facts = rays.numbers, rays.facts
-    exits, has_all = facts[STATUS] == _EXITED, len(rays.random) > 0
+    has_all = len(rays.random) > 0
+    n = 2 * len(area) if has_all else len(area)
+    numbers, facts = rays.numbers[:, :n], rays.facts[:, :n]
+    exits = facts[STATUS] == _EXITED
     if has_all:
         area = np.concatenate([area, area]) * numbers[FACTOR]
         set_number = None if set_number is None else np.concatenate([set_number, set_number])

@@ -70,11 +70,12 @@ def disagreement(
 
         def some_sets(part: slice, unit: np.ndarray = unit) -> np.ndarray:
             points = half * (2.0 * unit[part] - 1.0)
-            rays = empty_rays(points.shape[0] * points.shape[1])
+            n = points.shape[0] * points.shape[1]
+            rays = empty_rays(n)
             basis = view.basis()
             enter_rays(points.reshape(-1, 2), basis, convex.solid, convex.facet, model.index, rays)
-            met = rays.facts[STATUS] == INSIDE
-            places = rays.numbers[POINT:DIRECTION, met].T
+            met = rays.facts[STATUS, :n] == INSIDE
+            places = rays.numbers[POINT:DIRECTION, :n][:, met].T
             left, right = (_zones(convex, eye, places, model, zenith, limits) for eye in eyes)
             of = np.repeat(np.arange(len(points)), points.shape[1])[met]
             differ = np.bincount(of, left != right, len(points))
@@ -96,9 +97,9 @@ def _zones(
 ) -> np.ndarray:
     """Return the zone that principal light comes from to an eye at places (n, 3) of the surface, (n,)."""
     basis = eye.basis()
-    rays = empty_rays(len(places))
+    rays, n = empty_rays(len(places)), len(places)
     at = np.ascontiguousarray(places @ basis[:2].T)
     enter_rays(at, basis, convex.solid, convex.facet, model.index, rays)
     follow_rays(convex.solid, convex.facet, model.index, model.max_reflections, rays)
-    cosine = zenith @ rays.numbers[DIRECTION:COS_ENTRY]
-    return np.where(rays.facts[STATUS] == RayStatus.EXITED, np.searchsorted(limits, cosine), -1)
+    cosine = zenith @ rays.numbers[DIRECTION:COS_ENTRY, :n]
+    return np.where(rays.facts[STATUS, :n] == RayStatus.EXITED, np.searchsorted(limits, cosine), -1)
