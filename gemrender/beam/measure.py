@@ -134,6 +134,7 @@ def measure_facets(
             convex, model, over_views, bound=wanted, seed=seed, progress=progress, budget=budget
         )
         values |= {of.name: of for of in more}
+        missed += _missed_of_views(more, wanted, budget)
     counted, scores = facets.is_counted, found.scores
     measured = Measurement(
         average=float(scores[INTENSITY]),
@@ -253,6 +254,19 @@ def _left_over(facets: VirtualFacets) -> tuple[str, ...]:
         return ()
     share = 100.0 * facets.left_over / float(facets.area.sum())
     return (f"virtual facets of {share:.2g} % of the view left to single rays: {facets.why_left_over}",)
+
+
+def _missed_of_views(
+    found: Sequence[MeasureValues], wanted: float, budget: Budget | None
+) -> tuple[str, ...]:  # fmt: skip
+    """Say which measures over all views have a larger bound than was wanted, and why."""
+    is_late = budget is not None and budget.left <= 0.0
+    why = budget.time_is_up if budget is not None and is_late else "no more rays are followed"
+    return tuple(
+        f"{of.name}: bound {bound_text(100.0 * of.bound)} % instead of {wanted:g}: {why}"
+        for of in found
+        if of.bound is not None and 100.0 * of.bound > wanted
+    )
 
 
 def _missed(bound: float, wanted: float, unsolved: float, stopped: Budget | None) -> tuple[str, ...]:
