@@ -345,6 +345,8 @@ def _surface_figure(study: TiltStudy) -> Figure:
 
 def _draw_polar_map(axes: Axes, study: TiltStudy, of: Measure, key: str) -> None:
     """Draw a value over all tilts: outwards the tilt, around the azimuth that the eye is tilted to."""
+    from matplotlib.ticker import MaxNLocator
+
     values, tilts = study.values(of.name, key), np.array([found.pose.eye[0] for found in study.found])
     rings = np.unique(tilts[tilts > 0])
     grid = values[1:].reshape(len(rings), -1)
@@ -363,8 +365,9 @@ def _draw_polar_map(axes: Axes, study: TiltStudy, of: Measure, key: str) -> None
         around = np.radians([found.pose.eye[1] for found in study.found])
         axes.plot(around[tied], tilts[tied], ".", markersize=3, color="white", mec=_INK, mew=0.3)
     axes.set_ylim(0, rings[-1])
-    axes.set_yticks(np.linspace(0, rings[-1], 4)[1:])
-    axes.set_yticklabels([f"{ring:g}°" for ring in np.linspace(0, rings[-1], 4)[1:]], fontsize=8.5)
+    round_tilts = MaxNLocator(3, steps=[1, 2, 5, 10]).tick_values(0, rings[-1])
+    ticks = [tick for tick in round_tilts if 0 < tick <= rings[-1]]
+    axes.set_yticks(ticks, [f"{tick:g}°" for tick in ticks], fontsize=8.5)
     axes.tick_params(labelsize=9)
     axes.grid(color="white", alpha=0.35, linewidth=0.6)
     axes.set_title(_label(of, key), loc="left", fontsize=11.5, fontweight="bold", color=_INK, pad=14)
