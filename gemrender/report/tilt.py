@@ -246,8 +246,8 @@ def _page(study: TiltStudy, rows: int, columns: int, width: float, height: float
     left = 0.35 / (columns * width)
     figure.text(left, 1 - 0.38 / whole, study.name, fontsize=16, fontweight="bold", color=_INK,
                 family=name_fonts(), parse_math=False)  # fmt: skip
-    how = "; outwards the tilt, around the azimuth that the eye is tilted to" if study.is_surface else ""
-    figure.text(left, 1 - 0.68 / whole, rule_text(study) + how, fontsize=10, color=_GREY)
+    how = "\nOutwards the tilt, around the azimuth that the eye is tilted to" if study.is_surface else ""
+    figure.text(left, 1 - 0.55 / whole, rule_text(study) + how, fontsize=10, color=_GREY, va="top")
     return figure
 
 
