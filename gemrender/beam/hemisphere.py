@@ -15,7 +15,7 @@ import numpy as np
 from gemrender.beam.budget import Budget
 from gemrender.beam.compiled import jit
 from gemrender.beam.crossing import into_stone
-from gemrender.beam.near_girdle import by_sets, more_rays
+from gemrender.beam.near_girdle import by_sets, more_rays, next_points
 from gemrender.beam.rays import (
     COS_ENTRY,
     DIRECTION,
@@ -89,11 +89,11 @@ def measure_hemisphere(
     crown = _Crown(convex)
     tally = Tally(View(resolution=1), model, measures)
     random = np.random.default_rng(seed)
-    shifts = random.random((SETS, 1, 4))
+    shifts = random.random((SETS, 4))
     total, done, wanted = np.zeros((SETS, tally.n_sums)), 0, _FIRST
     while True:
         last = min(done + _BLOCK, wanted)
-        unit = (shifts + np.arange(done + 1, last + 1)[:, None] * _STEPS) % 1.0
+        unit = next_points(shifts, _STEPS, done, last)
         states = random.integers(1, 1 << 63, unit.shape[:2], dtype=np.uint64)
 
         def some_sets(part: slice, unit: np.ndarray = unit, states: np.ndarray = states) -> np.ndarray:

@@ -28,7 +28,7 @@ from gemrender.measures.tally import SETS, Tally
 from gemrender.observation import RayStatus
 from gemrender.paths import Paths
 
-__all__ = ["CELLS", "RIM", "STEPS", "NearGirdle", "by_sets", "more_rays"]
+__all__ = ["CELLS", "RIM", "STEPS", "NearGirdle", "by_sets", "more_rays", "next_points"]
 
 #: The regions that rays are spread over: girdle cells of principal light, the rim, and, where all light is
 #: followed, cells of what has been reflected in part.
@@ -169,8 +169,7 @@ class NearGirdle:
 
     def _unit(self, k: int, done: int, last: int) -> np.ndarray:
         """Return the next points of the unit square for a region, (SETS, last - done, 2)."""
-        unit = self._shifts[:, k, None] + np.arange(done + 1, last + 1)[:, None] * STEPS
-        return np.asarray(unit - np.floor(unit))
+        return next_points(self._shifts[:, k], STEPS, done, last)
 
     def _states(self, sets: int, n: int) -> np.ndarray:
         """Return states of random numbers, (sets, n) uint64; (sets, 0) for principal light."""
@@ -211,6 +210,22 @@ class NearGirdle:
         differs = rim - rim[:, [MET]] * (mean / mean[MET] if mean[MET] > 0 else 0.0)
         others = np.delete(self.sums, RIM, axis=1).sum(axis=1)
         return np.asarray(others + scale * (mean + differs))
+
+
+def next_points(shifts: np.ndarray, steps: np.ndarray, done: int, last: int) -> np.ndarray:
+    """Return points of the unit cube that go on an additive recurrence, (SETS, last - done, d).
+
+    Parameters
+    ----------
+    shifts : (SETS, d) float64
+        Where each set begins.
+    steps : (d,) float64
+        From a point to the next one.
+    done, last : int
+        Points before, and after these.
+    """
+    unit = shifts[:, None] + np.arange(done + 1, last + 1)[:, None] * steps
+    return np.asarray(unit - np.floor(unit))
 
 
 def more_rays(rays: int, error: float, wanted: float) -> int:

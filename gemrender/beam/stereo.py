@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gemrender.beam.near_girdle import STEPS, by_sets, more_rays
+from gemrender.beam.near_girdle import STEPS, by_sets, more_rays, next_points
 from gemrender.beam.rays import (
     COS_ENTRY,
     DIRECTION,
@@ -62,11 +62,11 @@ def disagreement(
     half = max(convex.stone.reach, 1.0) if convex.stone.is_round else convex.stone.reach
     zenith = view.basis()[2]
     limits = np.append(ZONE_LIMITS, np.cos(np.radians(head_deg)))
-    shifts = np.random.default_rng(seed).random((SETS, 1, 2))
+    shifts = np.random.default_rng(seed).random((SETS, 2))
     found, done, wanted = np.zeros((SETS, 2)), 0, _FIRST  # places that differ, and all
     while True:
         last = min(done + _BLOCK, wanted)
-        unit = (shifts + np.arange(done + 1, last + 1)[:, None] * STEPS) % 1.0
+        unit = next_points(shifts, STEPS, done, last)
 
         def some_sets(part: slice, unit: np.ndarray = unit) -> np.ndarray:
             points = half * (2.0 * unit[part] - 1.0)
