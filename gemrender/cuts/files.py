@@ -15,7 +15,7 @@ import numpy as np
 
 from gemrender.cuts.content import DESIGN_KINDS, SOLID_KINDS, kind_of_file
 from gemrender.cuts.families import families
-from gemrender.cuts.families.parameters import from_values
+from gemrender.cuts.families.stated import from_values
 from gemrender.cuts.laboratory import DEFAULTS, REPORT_KEYS, missing_parts, read_report
 from gemrender.cuts.load import load_design_file
 from gemrender.cuts.mesh_stone import check_up
@@ -200,7 +200,7 @@ def _from_toml(path: Path) -> Stone:
             )
         shape = given[0]
         if shape == "cut":
-            cut = _cut(top["cut"])
+            cut, taken = _cut(top["cut"])
         elif shape == "vertices":
             vertices = _named_file(top["vertices"], path, "vertices", _A_CSV)
         elif shape == "design":
@@ -211,7 +211,9 @@ def _from_toml(path: Path) -> Stone:
             proportions, assumed = _proportions(top, shape, mistakes)
     if shape == "cut":
         with located_at(source, shape):
-            made: Stone = cut.stone(name=str(name), material=material, source=source, description=shape)
+            made: Stone = cut.stone(
+                name=str(name), material=material, source=source, description=shape, assumed=taken
+            )
             return made
     if shape == "vertices":
         return _measured(vertices, name=str(name), material=material, toml=path)
@@ -326,8 +328,8 @@ def _mesh(top: dict[str, Any], toml: Path, mistakes: Mistakes) -> tuple[Path, st
     return _named_file(values["file"], toml, "mesh.file", _a_file(SOLID_KINDS)), up
 
 
-def _cut(values: object) -> Any:
-    """Return the cut that [cut] describes: a family by its name, and its parameters."""
+def _cut(values: object) -> tuple[Any, tuple[str, ...]]:
+    """Return the cut that [cut] describes, a family by its name and its parameters, and what was taken."""
     known = families()
     allowed = ", ".join(f'"{name}"' for name in known)
     with located_at(None, "cut"):

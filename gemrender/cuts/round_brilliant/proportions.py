@@ -237,7 +237,9 @@ def pavilion_depth_from_angle(pavilion_angle: float) -> float:
     return _height("pavilion_depth", depth, "pavilion_angle", pavilion_angle)
 
 
-def number_within(key: str, value: object, low_high: tuple[float, float] | None = None) -> float:
+def number_within(
+    key: str, value: object, low_high: tuple[float, float] | None = None, unit: str | None = None
+) -> float:
     """Return a value as a float, if it is a number within its range.
 
     Parameters
@@ -248,6 +250,8 @@ def number_within(key: str, value: object, low_high: tuple[float, float] | None 
         What was given.
     low_high : pair of float, optional
         The range of a key that those do not have.
+    unit : str, optional
+        Its unit, where it is another; "" for none.
 
     Raises
     ------
@@ -255,15 +259,17 @@ def number_within(key: str, value: object, low_high: tuple[float, float] | None 
         It is no number, or outside the range.
     """
     low, high = low_high or (RANGES[key] if key in RANGES else ANGLE_RANGES[key])
-    unit = "deg" if key.endswith("angle") else "%"
+    if unit is None:
+        unit = "deg" if key.endswith("angle") else "%"
+    unit = unit and f" [{unit}]"
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
-        raise InputError(f"must be a number from {low:g} to {high:g} [{unit}]", key=key, value=value)
+        raise InputError(f"must be a number from {low:g} to {high:g}{unit}", key=key, value=value)
     try:
         number = float(value)
     except OverflowError:  # an integer beyond the largest float
         number = math.inf
     if not low <= number <= high:  # false for NaN too
-        raise InputError(f"must be from {low:g} to {high:g} [{unit}]", key=key, value=value)
+        raise InputError(f"must be from {low:g} to {high:g}{unit}", key=key, value=value)
     return number
 
 

@@ -1,0 +1,205 @@
+"""Brilliants on any outline: table, stars, bezels and upper halves, lower halves and pavilion mains.
+
+Meet points leave no facet a choice: a bezel passes through its girdle point, along the outline there, and
+through its table corner; a star tip lies where two bezels meet, a contact where two pavilion mains do; halves
+pass through their tip or contact and two girdle points. So facets meet on every outline, and only convexity
+is left to be checked (`Construction.check`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from gemrender.cuts.construction.meet_points import Construction, height_of, plane_through, points_at
+
+__all__ = ["Girdle", "add_crown", "add_girdle", "add_pavilion", "brilliant"]
+
+
+@dataclass(frozen=True, slots=True)
+class Girdle:
+    """An outline with its girdle points, where halves begin and end; every other one is the foot of a bezel.
+
+    Parameters
+    ----------
+    points : (2n, pieces, 2) float64 or complex128
+        Points of the outline, anticlockwise seen from above, from the end of its length at +y on: the first
+        of each row is a girdle point, the others lie between it and the next. With one in a row the girdle is
+        round, or has one facet from girdle point to girdle point.
+    tangents : (2n, 2) float64 or complex128
+        Direction of the outline at each girdle point; at a tip a line that touches it only there.
+    is_round : bool
+        Whether the outline is the circle of radius 1, whose girdle is a cylinder and no facets here.
+    """
+
+    points: np.ndarray
+    tangents: np.ndarray
+    is_round: bool = False
+
+    @property
+    def feet(self) -> np.ndarray:
+        """(2n, 2): the girdle points."""
+        return np.asarray(self.points[:, 0])
+
+
+def brilliant(
+    girdle: Girdle,
+    *,
+    table: np.ndarray,
+    star: Any,
+    crown_height: Any,
+    thickness: Any,
+    pavilion_depth: Any,
+    lower_half: Any,
+    culet: Any = 0.0,
+    mains: Sequence[int] | None = None,
+    axis: Sequence[Any] = (0.0, 0.0),
+) -> Construction:
+    """Return a brilliant; lengths in the stone's unit, half the longer side of its outline.
+
+    Parameters
+    ----------
+    girdle : Girdle
+        The outline, with 2n girdle points.
+    table : (n, 2)
+        Corners of the table, the first above the first girdle point.
+    star : number
+        Star length: share of the way from the middle of a table edge to the girdle (0 to 1).
+    crown_height, thickness, pavilion_depth : number
+        Heights of crown, girdle (at the girdle points) and pavilion.
+    lower_half : number
+        Lower-half length: share of the way from the girdle to the axis (0 to 1).
+    culet : number
+        Width of the culet [share of the outline's width]; 0 for a point.
+    mains : sequence of int, optional
+        Girdle points that pavilion mains stand at; by default every other one, below the bezels.
+    axis : pair of number
+        Where the culet lies.
+    """
+    stone = Construction()
+    upper = add_crown(stone, girdle, table=table, star=star, height=crown_height, thickness=thickness)
+    lower = add_pavilion(
+        stone,
+        girdle,
+        depth=pavilion_depth,
+        lower_half=lower_half,
+        culet=culet,
+        mains=range(0, len(girdle.points), 2) if mains is None else mains,
+        axis=axis,
+    )
+    add_girdle(stone, upper, lower, girdle)
+    return stone
+
+
+def add_crown(
+    stone: Construction, girdle: Girdle, *, table: np.ndarray, star: Any, height: Any, thickness: Any
+) -> np.ndarray:
+    """Add a crown; return the numbers of the points of the girdle's upper edge, (2n, pieces) int64."""
+    feet, count = girdle.feet, len(girdle.feet)
+    foot = points_at(feet[::2], thickness)
+    corners = points_at(table, thickness + height)
+    along = points_at(girdle.tangents[::2], 0.0)
+    bezels = plane_through(foot, foot + along, corners)
+    after = np.roll(bezels, -1, axis=0)
+    # The tip: on both bezels, and so far along the way from the middle of the table's edge to the girdle.
+    middle, end = 0.5 * (table + np.roll(table, -1, axis=0)), feet[1::2]
+    way = end - middle
+    reach = ((middle + star * way) * way).sum(axis=1)
+    across = np.concatenate([points_at(way, 0.0), reach[:, None]], axis=1)
+    tips = _meet(bezels, after, across)
+
+    edge = points_at(girdle.points, thickness)
+    halves = plane_through(np.repeat(tips, 2, axis=0), edge[:, 0], np.roll(edge[:, 0], -1, axis=0))
+    edge = _risen(edge, halves)
+    t, s = stone.ring("table", corners), stone.ring("star", tips)
+    u = stone.ring("girdle_upper", edge.reshape(-1, 3)).reshape(edge.shape[:2])
+    ends = np.roll(u[:, 0], -1)
+    stone.facet("table", t)
+    for k in range(len(t)):
+        stone.facet("star", (t[k], s[k], t[(k + 1) % len(t)]))
+    for k in range(len(t)):
+        stone.facet("bezel", (t[k], s[k - 1], u[2 * k, 0], s[k]))
+    for j in range(count):
+        stone.facet("upper_girdle", (s[j // 2], *u[j], ends[j]))
+    return u
+
+
+def add_pavilion(
+    stone: Construction,
+    girdle: Girdle,
+    *,
+    depth: Any,
+    lower_half: Any,
+    culet: Any,
+    mains: Sequence[int],
+    axis: Sequence[Any],
+) -> np.ndarray:
+    """Add a pavilion; return the numbers of the points of the girdle's lower edge, (2n, pieces) int64."""
+    feet, count = girdle.feet, len(girdle.feet)
+    mains = list(mains)
+    steps = np.diff([*mains, mains[0] + count])
+    centre = np.array(axis)
+    # Mains meet in one point, below the culet where there is one.
+    apex = points_at(centre, -depth / (1.0 - culet))
+    foot = points_at(feet[mains], 0.0)
+    planes = plane_through(foot, foot + points_at(girdle.tangents[mains], 0.0), apex)
+    after = np.roll(planes, -1, axis=0)
+    half = np.array(mains) + steps / 2
+    before = feet[np.floor(half).astype(int) % count]
+    middle = 0.5 * (before + feet[np.ceil(half).astype(int) % count])
+    way = middle - centre
+    reach = ((centre + (1.0 - lower_half) * way) * way).sum(axis=1)
+    contacts = _meet(planes, after, np.concatenate([points_at(way, 0.0), reach[:, None]], axis=1))
+
+    edge = points_at(girdle.points, 0.0)
+    of_segment = np.repeat(np.arange(len(mains)), steps)
+    first = (mains[0] + np.arange(count)) % count
+    at = np.argsort(first)  # of each segment, its place from the first main on
+    halves = plane_through(contacts[of_segment[at]], np.roll(edge[:, 0], -1, axis=0), edge[:, 0])
+    edge = _risen(edge, halves)
+    low = stone.ring("girdle_lower", edge.reshape(-1, 3)).reshape(edge.shape[:2])
+    c = stone.ring("contact", contacts)
+    ends = np.roll(low[:, 0], -1)
+    for j, k in zip(first.tolist(), of_segment.tolist(), strict=True):
+        stone.facet("lower_girdle", (c[k], ends[j], *low[j, ::-1]))
+    if np.real(culet) > 0:
+        tips = stone.ring("culet", apex + (contacts - apex) * _share(contacts, apex, depth)[:, None])
+    else:
+        tips = np.repeat(stone.ring("culet", apex), len(mains))
+    for k, main in enumerate(mains):
+        # Seen from below: the culet's corner before, the contact before, the foot, and those after.
+        ring = (tips[k - 1], c[k - 1], low[main, 0], c[k], tips[k])
+        stone.facet("pavilion_main", dict.fromkeys(map(int, ring)))
+    if np.real(culet) > 0:
+        stone.facet("culet", tips)
+    return low
+
+
+def add_girdle(stone: Construction, upper: np.ndarray, lower: np.ndarray, girdle: Girdle) -> None:
+    """Add the facets of the girdle between its edges, (2n, pieces) int64 each, unless it is round."""
+    if girdle.is_round:
+        return
+    top, bottom = upper.reshape(-1), lower.reshape(-1)
+    for k in range(len(top)):
+        after = (k + 1) % len(top)
+        stone.facet("girdle", (bottom[k], bottom[after], top[after], top[k]))
+
+
+def _risen(edge: np.ndarray, halves: np.ndarray) -> np.ndarray:
+    """Return a girdle's edge (2n, pieces, 3) with the points between girdle points on the halves (2n, 4)."""
+    between = points_at(edge[:, 1:, :2], height_of(halves[:, None], edge[:, 1:, :2]))
+    return np.concatenate([edge[:, :1], between], axis=1)
+
+
+def _share(contacts: np.ndarray, apex: np.ndarray, depth: Any) -> np.ndarray:
+    """Return the share of the way from the apex to each contact at which the culet lies, (n,)."""
+    return np.asarray((-depth - apex[2]) / (contacts[:, 2] - apex[2]))
+
+
+def _meet(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
+    """Return the points (n, 3) where three planes each, (n, 4), meet; analytic."""
+    system = np.stack([a, b, c], axis=1)
+    return np.asarray(np.linalg.solve(system[..., :3], system[..., 3:])[..., 0])

@@ -1,0 +1,119 @@
+"""What is true of every family over the whole range of its parameters: closed, convex, meeting, as asked."""
+
+from __future__ import annotations
+
+from dataclasses import MISSING, fields
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from gemrender.cuts.construction.meet_points import LEAST_SHARE, MEET
+from gemrender.cuts.design import Design
+from gemrender.cuts.families import families
+from gemrender.cuts.families.family import Family
+from gemrender.errors import InputError
+from gemrender.stone import tessellate
+from gemrender.stone.frame import in_frame
+from gemrender.stone.polyhedron import intersect
+from tests.solids import assert_closed
+
+FAMILIES = {name: kind for name, kind in families().items() if issubclass(kind, Family)}
+#: Lengths after a hundred operations on numbers of order 1.
+ROUNDING = 1e-12
+#: Step of central differences [% or deg], and their error against exact derivatives: third derivatives times
+#: its square, and rounding over it.
+STEP, DIFFERENCE = 1e-4, 1e-6
+#: Step of the complex step: its square is 0.
+TINY = 1e-30
+
+
+def draws(kind: type[Family]) -> st.SearchStrategy[dict]:
+    """Draw values of all parameters from their whole ranges."""
+    parts = {}
+    for part in fields(kind):
+        if "allowed" in part.metadata:
+            parts[part.name] = st.sampled_from(part.metadata["allowed"])
+        else:
+            assert not part.metadata["many"]
+            low, high = part.metadata["range"]
+            numbers = st.floats(low, high)
+            parts[part.name] = st.just(0.0) | numbers if part.metadata["or_zero"] else numbers
+    return st.fixed_dictionaries(parts)
+
+
+@pytest.mark.parametrize("kind", FAMILIES.values(), ids=FAMILIES)
+def test_every_parameter_has_a_default_and_the_family_alone_is_a_stone(kind):
+    assert all(part.default is not MISSING for part in fields(kind))
+    stone = kind().stone()
+    assert_closed(tessellate(stone))
+    assert stone.cut == kind()
+
+
+@pytest.mark.parametrize("kind", FAMILIES.values(), ids=FAMILIES)
+def test_over_the_whole_range_it_is_a_convex_stone_or_one_line(kind):
+    made, refused = 0, []
+
+    @settings(max_examples=200, deadline=None, derandomize=True)
+    @given(draws(kind))
+    def holds(values):
+        nonlocal made
+        try:
+            cut = kind(**values)
+            stone = cut.stone()
+        except InputError as error:
+            refused.append(str(error))
+            return
+        made += 1
+        construction = cut.construction()
+        planes, points = construction.planes, construction.points
+        above = points @ planes[:, :3].T - planes[:, 3]
+        assert above.max() <= MEET
+        for number, corners in enumerate(construction.corners):
+            assert np.abs(above[list(corners), number]).max() <= MEET
+        assert len(set(stone.facet_names)) == len(stone.facets)
+        if stone.is_round:
+            return
+        body = intersect(planes)
+        # Every facet bounds the stone, and meets others in the very points that were placed.
+        assert body.bounds.all()
+        apart = np.abs(body.vertices[:, None] - points[None]).max(axis=2)
+        assert apart.min(axis=1).max() <= MEET
+        assert np.abs(in_frame(planes)[0] - planes).max() <= MEET
+        outline = body.crosses[planes[:, 2] > MEET, 2].sum()
+        free = np.array([kind in ("girdle", "culet") for kind in construction.kinds])
+        assert body.areas[~free].min() >= LEAST_SHARE * outline * (1 - ROUNDING)
+
+    holds()
+    assert made >= 40  # of 200
+    assert not any("\n" in line for line in refused)
+
+
+@pytest.mark.parametrize("kind", FAMILIES.values(), ids=FAMILIES)
+def test_derivatives_of_planes_are_those_of_differences(kind):
+    """By every parameter and every alternative, from the middle of the defaults and a little way off."""
+    cut = kind()
+    for name, value in (cut.values() | cut.alternatives()).items():
+        if isinstance(value, int | str):
+            continue
+        if name in cut.values():
+            low, high = kind.__dataclass_fields__[name].metadata["range"]
+            value = min(max(value, low + 0.01 * (high - low)), high - 0.01 * (high - low))
+        exact = cut.planes(**{name: complex(value, TINY)})
+        sides = [cut.planes(**{name: value + by}) for by in (-STEP, STEP)]
+        difference = (sides[1] - sides[0]) / (2 * STEP)
+        assert np.abs(exact.imag / TINY - difference).max() <= DIFFERENCE, name
+        # The faceter's tiers of it are the same planes, with the same derivatives.
+        tiers = Design(tiers=cut.tiers(**{name: complex(value, TINY)})).planes()
+        place = [int(np.abs(exact.real - plane.real).max(axis=1).argmin()) for plane in tiers]
+        assert sorted(place) == list(range(len(exact)))
+        assert np.abs(tiers.real - exact.real[place]).max() <= ROUNDING
+        assert np.abs(tiers.imag - exact.imag[place]).max() / TINY <= 1e-9
+
+
+@pytest.mark.parametrize("kind", FAMILIES.values(), ids=FAMILIES)
+def test_alternatives_lead_back_to_the_parameters(kind):
+    cut = kind()
+    for name, value in cut.alternatives().items():
+        assert cut.changed(**{name: value}).values() == pytest.approx(cut.values(), rel=ROUNDING)
