@@ -78,7 +78,7 @@ Value = float | str
 
 
 def settings_of(stone: Stone) -> tuple[str, ...]:
-    """Return the keys that can be set of a stone: proportions or its family's parameters, and its material."""
+    """Return the keys that can be set of a stone: proportions or its family's parameters; its material."""
     return _settings_of(type(stone.cut)) if isinstance(stone.cut, Family) else SETTINGS
 
 
