@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from gemrender.cuts.design import Design
+from gemrender.cuts.families.family import Family
 from gemrender.errors import InputError
 from gemrender.optics import load_material, refractive_index
 from gemrender.optics.material import DIAMETER_RANGE_MM
@@ -43,7 +44,8 @@ class Inspection:
     name : str
         The stone's name.
     cut : str
-        How it was given: "round brilliant", "design", "measured round brilliant", "planes" or "mesh".
+        How it was given: "round brilliant", the family's name, "design", "measured round brilliant", "planes"
+        or "mesh".
     facets, corners : int
         Number of facets, and of points where three and more of them meet.
     dimensions : dict of str to Dimension
@@ -169,6 +171,8 @@ def inspect_stone(stone: Stone, *, size_mm: float = DEFAULT_SIZE_MM) -> Inspecti
 def _cut_of(stone: Stone) -> str:
     if stone.labelled_vertices is not None:
         return "round brilliant" if stone.proportions is not None else "measured round brilliant"
+    if isinstance(stone.cut, Family):
+        return stone.cut.family()
     if isinstance(stone.cut, Design):
         return "design"
     return "planes" if stone.is_convex else "mesh"

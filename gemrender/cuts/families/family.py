@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import fields, replace
 from typing import Any, ClassVar, Self
 
@@ -37,6 +38,11 @@ class Family:
 
     def __post_init__(self) -> None:
         check_parameters(self)
+
+    @classmethod
+    def family(cls) -> str:
+        """Return the family's name, as stone files have it."""
+        return str(sys.modules[cls.__module__].FAMILY)
 
     @classmethod
     def construct(cls, **values: Any) -> Construction:
