@@ -44,7 +44,7 @@ from gemrender.reading import (
 from gemrender.stone import Stone
 from gemrender.writing import write_whole
 
-__all__ = ["bundled_stones", "load_stone", "load_stones", "save_vertices"]
+__all__ = ["bundled_stones", "load_stone", "load_stones", "read_cut", "save_vertices"]
 
 #: Keys of each section. Of `_SHAPES`, some of which are no sections, a file has exactly one.
 _SECTIONS: dict[str, tuple[str, ...]] = {
@@ -201,7 +201,7 @@ def _from_toml(path: Path) -> Stone:
             )
         shape = given[0]
         if shape == "cut":
-            cut, taken = _cut(top["cut"])
+            cut, taken = read_cut(top["cut"])
         elif shape == "vertices":
             vertices = _named_file(top["vertices"], path, "vertices", _A_CSV)
         elif shape == "design":
@@ -328,8 +328,14 @@ def _mesh(top: dict[str, Any], toml: Path, mistakes: Mistakes) -> tuple[Path, st
     return _named_file(values["file"], toml, "mesh.file", _a_file(SOLID_KINDS)), up
 
 
-def _cut(values: object) -> tuple[Any, tuple[str, ...]]:
-    """Return the cut that [cut] describes, a family by its name and its parameters, and what was taken."""
+def read_cut(values: object) -> tuple[Any, tuple[str, ...]]:
+    """Return the cut that [cut] describes, a family by its name and its parameters, and what was taken.
+
+    Raises
+    ------
+    InputError
+        No such family, or what `from_values` refuses.
+    """
     known = families()
     allowed = ", ".join(f'"{name}"' for name in known)
     with located_at(None, "cut"):
