@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 
 import gemrender as gem
-from gemrender.errors import InputError
+from gemrender.errors import BackendError, InputError
 from gemrender.sweep import atlas as atlas_of
 from gemrender.sweep.atlas import make_atlas
-from gemrender.sweep.atlas_chunk import measure_chunk
+from gemrender.sweep.atlas_chunk import chunk_values, measure_chunk
 from gemrender.sweep.atlas_export import export_atlas
 from gemrender.sweep.atlas_plan import part_shape
 from gemrender.sweep.atlas_plan_file import read_plan
@@ -199,6 +199,19 @@ def test_cells_that_make_no_stone_are_told_and_not_done_again(planned, tmp_path)
     assert make_atlas(plan, str(tmp_path / "a.zarr")).measured == 0
 
 
+def test_a_measurement_that_fails_does_not_end_the_work(planned, tmp_path, monkeypatch):
+    def failing(plan, stone, tilt):
+        if "crown_angle=34" in stone.name:
+            raise ZeroDivisionError("by nothing")
+        return chunk_values(plan, stone, tilt)
+
+    monkeypatch.setattr("gemrender.sweep.atlas_chunk.chunk_values", failing)
+    monkeypatch.setattr(atlas_of, "chunk_values", failing)
+    made = make_atlas(planned(GRID.replace("[10, 40, 50, 60]", "[50, 60]")), str(tmp_path / "a.zarr"))
+    assert (made.done, made.failed) == (4, 2)
+    assert made.refused[0] == ("crown_angle=34.0 star=50.0", "ZeroDivisionError: by nothing")
+
+
 def test_views_are_a_dimension(planned, tmp_path):
     plan = planned(
         GRID.replace("bound = 5", "bound = 5\ntilts = [0, [10, 90]]").replace("[10, 40, 50, 60]", "50")
@@ -350,6 +363,13 @@ def test_a_netcdf_file_holds_the_whole_atlas(planned, tmp_path):
 def test_what_is_no_atlas_is_told(tmp_path, name):
     with pytest.raises(InputError, match="is no atlas"):
         open_atlas(str(tmp_path / name))
+
+
+@pytest.mark.parametrize("package", ["xarray", "zarr"])
+def test_a_missing_package_is_told_with_the_cure(tmp_path, monkeypatch, package):
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(BackendError, match=r"pip install 'gemrender\[atlas\]'"):
+        open_atlas(str(tmp_path / "a.zarr"))
 
 
 # ---- The command ---------------------------------------------------------------------------------------
