@@ -247,13 +247,13 @@ def cliffs(at: np.ndarray, values: np.ndarray, bounds: np.ndarray) -> np.ndarray
 
 def _beside(slopes: np.ndarray) -> np.ndarray:
     """Return the smaller one of the two slopes before each; NaN where there is none."""
-    return np.fmin(_shifted(slopes, 1), _shifted(slopes, 2))
+    return np.asarray(np.fmin(_shifted(slopes, 1), _shifted(slopes, 2)))
 
 
 def _shifted(slopes: np.ndarray, by: int) -> np.ndarray:
     """Return the slope so many places before each; NaN where there is none."""
     missing = np.full((*slopes.shape[:-1], by), np.nan)
-    return np.concatenate([missing, slopes], axis=-1)[..., : slopes.shape[-1]]
+    return np.asarray(np.concatenate([missing, slopes], axis=-1)[..., : slopes.shape[-1]])
 
 
 def two_mains_limit(crown_angle: np.ndarray, index: float) -> np.ndarray:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import hashlib
 import itertools
+import json
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import Any
 
@@ -198,12 +199,10 @@ class AtlasPlan:
     def record(self) -> dict[str, Any]:
         """All that the values depend on, of JSON's types: atlases of one plan have the same."""
         base = self.stone
-        digest = hashlib.sha256(repr((base.facets, base.cut, base.description, base.is_round)).encode())
-        digest.update(np.ascontiguousarray(base.solid.planes).tobytes())
         return {
             "name": self.name,
             "stone": base.name,
-            "solid": digest.hexdigest(),
+            "shape": _shape_digest(base),
             "material": base.material,
             "vary": {key: list(values) for key, values in self.grid.items()}
             | {key: {"first": low, "last": high} for key, (low, high) in self.ranges.items()},
@@ -214,6 +213,21 @@ class AtlasPlan:
             "tilts": [list(tilt) for tilt in self.tilts],
             "chunk": self.chunk,
         }
+
+
+def _shape_digest(stone: Stone) -> str:
+    """Return a digest of what a stone is before it is varied: its cut's parameters, or its planes.
+
+    Numbers count to twelve digits, which are the same on all machines.
+    """
+    shape: list[Any]
+    if stone.cut is None:
+        shape = [stone.is_round, stone.facet_sides, np.round(stone.solid.planes, 9).tolist()]
+    else:
+        values = {part.name: getattr(stone.cut, part.name) for part in fields(stone.cut)}  # type: ignore[arg-type]
+        words = {key: f"{value:.12g}" if isinstance(value, float) else value for key, value in values.items()}
+        shape = [type(stone.cut).__module__.rpartition(".")[2], words, stone.description]
+    return hashlib.sha256(json.dumps(shape, default=str).encode()).hexdigest()
 
 
 def part_shape(shape: tuple[int, ...], most: int) -> tuple[int, ...]:
