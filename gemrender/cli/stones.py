@@ -20,9 +20,9 @@ __all__ = ["LoadedStones", "StoneOptions", "assumptions", "load"]
 
 
 def _complete_setting(incomplete: str) -> list[str]:
-    from gemrender.cuts.variations import SETTINGS
+    from gemrender.cuts.variations import all_settings
 
-    return [f"{key}=" for key in SETTINGS if key.startswith(incomplete)]
+    return [f"{key}=" for key in all_settings() if key.startswith(incomplete)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
