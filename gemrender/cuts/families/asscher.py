@@ -21,6 +21,6 @@ class Parameters(emerald.Parameters):
     table: float = parameter(40.0, 75.0, default=61.0)
     crown_height: float = parameter(8.0, 25.0, default=14.0)
     crown_bulge: float = parameter(0.2, 3.0, default=2.0, why="steps of 46, 36 and 22 deg")
-    girdle_thickness: float = girdle_thickness(4.0)
+    girdle_thickness: float = girdle_thickness(4.5)
     pavilion_depth: float = parameter(35.0, 65.0, default=49.0)
-    pavilion_bulge: float = parameter(0.5, 8.0, default=5.0, why="steps of 52, 44 and 34 deg")
+    pavilion_bulge: float = parameter(0.5, 8.0, default=6.0, why="steps of 53, 44 and 32 deg")

@@ -52,10 +52,10 @@ class Parameters(Family):
     taper: float = parameter(60.0, 100.0, default=100.0, why="straight")
     table: float = parameter(50.0, 80.0, default=65.0)
     crown_height: float = parameter(5.0, 20.0, default=11.0)
-    crown_bulge: float = parameter(0.2, 3.0, default=2.0, why="steps of 41 and 22 deg")
-    girdle_thickness: float = girdle_thickness(4.0)
+    crown_bulge: float = parameter(0.2, 3.0, default=1.5, why="steps of 39 and 25 deg")
+    girdle_thickness: float = girdle_thickness(3.5)
     pavilion_depth: float = parameter(30.0, 60.0, default=46.0)
-    pavilion_bulge: float = parameter(0.5, 7.0, default=4.0, why="steps of 47 and 37 deg")
+    pavilion_bulge: float = parameter(0.5, 7.0, default=3.5, why="steps of 47 and 38 deg")
     steps: int = choice(2, 3, default=2, why="the commonest")
 
     @classmethod

@@ -53,9 +53,9 @@ class Parameters(Family):
     table: float = parameter(40.0, 80.0, default=65.0)
     crown_height: float = parameter(6.0, 25.0, default=12.0)
     crown_bulge: float = parameter(0.2, 3.0, default=2.0, why="steps of 46, 34 and 19 deg")
-    girdle_thickness: float = girdle_thickness(4.0)
+    girdle_thickness: float = girdle_thickness(4.5)
     pavilion_depth: float = parameter(35.0, 65.0, default=50.0)
-    pavilion_bulge: float = parameter(0.5, 8.0, default=5.0, why="steps of 52, 45 and 35 deg")
+    pavilion_bulge: float = parameter(0.5, 8.0, default=5.5, why="steps of 53, 45 and 34 deg")
     culet: float = parameter(0.2, 20.0, default=0.0, or_zero=True)
     pavilion_steps: int = choice(3, 4, 5, default=3, why="the commonest")
 
