@@ -16,6 +16,7 @@ import numpy as np
 from gemrender.cuts.content import DESIGN_KINDS, SOLID_KINDS, kind_of_file
 from gemrender.cuts.families import families
 from gemrender.cuts.families.stated import from_values
+from gemrender.cuts.families.suggest import stone_of
 from gemrender.cuts.laboratory import DEFAULTS, REPORT_KEYS, missing_parts, read_report
 from gemrender.cuts.load import load_design_file
 from gemrender.cuts.mesh_stone import check_up
@@ -211,10 +212,9 @@ def _from_toml(path: Path) -> Stone:
             proportions, assumed = _proportions(top, shape, mistakes)
     if shape == "cut":
         with located_at(source, shape):
-            made: Stone = cut.stone(
-                name=str(name), material=material, source=source, description=shape, assumed=taken
+            return stone_of(
+                cut, name=str(name), material=material, source=source, description=shape, assumed=taken
             )
-            return made
     if shape == "vertices":
         return _measured(vertices, name=str(name), material=material, toml=path)
     if shape in ("design", "mesh"):
