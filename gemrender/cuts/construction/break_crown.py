@@ -14,7 +14,15 @@ import numpy as np
 
 from gemrender.cuts.construction.meet_points import Construction, points_at
 
-__all__ = ["Corners", "Table", "add_break_crown", "add_side_girdle", "corner_points", "side_points"]
+__all__ = [
+    "Corners",
+    "Table",
+    "add_break_crown",
+    "add_side_girdle",
+    "corner_points",
+    "diagonal_points",
+    "side_points",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,15 +84,19 @@ def corner_points(on_x: tuple[Any, Any], on_y: tuple[Any, Any]) -> np.ndarray:
     Given those in the first quadrant: on the side that runs along x, and on the one along y.
     """
     (ex, ey), (sx, sy) = on_x, on_y
-    return np.array(
-        [(-ex, ey), (-sx, sy), (-sx, -sy), (-ex, -ey), (ex, -ey), (sx, -sy), (sx, sy), (ex, ey)]
-    )
+    return np.array([(-ex, ey), (-sx, sy), (-sx, -sy), (-ex, -ey), (ex, -ey), (sx, -sy), (sx, sy), (ex, ey)])
 
 
 def side_points(half: tuple[Any, Any]) -> np.ndarray:
     """Return (4, 2): points above the middles of the sides, anticlockwise from the side at +y."""
     x, y = half
     return np.array([(0.0, y), (-x, 0.0), (0.0, -y), (x, 0.0)])
+
+
+def diagonal_points(corner: tuple[Any, Any]) -> np.ndarray:
+    """Return (4, 2): points towards the corners, anticlockwise from the one at -x and +y."""
+    x, y = corner
+    return np.array([(-x, y), (-x, -y), (x, -y), (x, y)])
 
 
 def add_break_crown(
@@ -97,7 +109,7 @@ def add_break_crown(
     share: Any,
     split_corners: bool,
 ) -> np.ndarray:
-    """Add a crown; return the numbers of the points of the girdle's upper edge, (8,) int64, as `corner_points`.
+    """Add a crown; return the numbers of the girdle's upper edge, (8,) int64, as `corner_points`.
 
     Parameters
     ----------
@@ -113,7 +125,7 @@ def add_break_crown(
         Whether a corner has a facet in each break; else one bezel from the girdle to the table.
     """
     x, y = outline.across
-    (on_x, on_y), (inner_x, inner_y) = outline.quarter, table.corner
+    on_y, (inner_x, inner_y) = outline.quarter[1], table.corner
     inset = [0.5 * (outer - inner) for outer, inner in zip(outline.half, table.half, strict=True)]
     girdle, top = x * on_y[0] + y * on_y[1], x * inner_x + y * inner_y
     # Of a bezel the edge between the breaks lies in its plane; else it is midway, as along the sides.
@@ -124,8 +136,7 @@ def add_break_crown(
     upper = _girdle_edge(stone, "girdle_upper", outline, thickness)
     b = stone.ring("break", points_at(breaks, thickness + share * height))
     middles = stone.ring("table_side", points_at(side_points(table.half), thickness + height))
-    inner = np.array([(-inner_x, inner_y), (-inner_x, -inner_y), (inner_x, -inner_y), (inner_x, inner_y)])
-    corners = stone.ring("table_corner", points_at(inner, thickness + height))
+    corners = stone.ring("table_corner", points_at(diagonal_points(table.corner), thickness + height))
     stone.facet("table", np.stack([middles, corners], axis=1).reshape(-1))
     for k in range(4):
         before, after = 2 * k, 2 * k + 1

@@ -1,20 +1,25 @@
 """The princess cut: a square or rectangle with a pavilion of chevrons.
 
-How the facets lie, sourced: two sets of crown mains, corner bezels and stars that are turned by 6 degrees,
-both rows of the crown equally wide at the middle of a side; on the pavilion the side mains (P1) and the mains
-in the corners (P2), and between them two to four chevrons whose points lie on the middle lines of the sides, of
-two chevrons 5, 15 and 25 % of the width from the axis: B. Harding, "Grading the Princess Cut" (pricescope.com,
-2005), of the American Gem Society's designs; "AGSL Diamond Cut Grading: The Princess Cut" (pricescope.com);
-drawings of two to four chevrons at github.com/vlad0007/polyhedron2 (chapter 30). 21 crown and 24,
-32 or 40 pavilion facets (mgc-labs.ru, "Princess": 49, 57 or 65 with the girdle's four). The names of the rows are
-Grossbard's. Inferred: how steep the chevrons between the two mains are, where the edge between the crown's rows
-lies, and that a rectangle is a stretched square.
+How the facets lie, sourced: two sets of crown mains, bezels in the corners and stars that are turned by 6
+degrees, both rows of the crown equally wide at the middle of a side; on the pavilion mains at the sides (P1)
+and in the corners (P2), and between them two to four chevrons whose points lie on the middle lines of the
+sides, of two chevrons 5, 15 and 25 % of the width from the axis. So B. Harding, "Grading the Princess Cut"
+(pricescope.com, 2005), of the American Gem Society's designs, and whiteflash.com, "AGSL Diamond Cut Grading";
+drawings of two to four chevrons: github.com/vlad0007/polyhedron2, chapter 30. 21 crown and 24, 32 or 40
+pavilion facets, 49, 57 or 65 with the girdle's four: mgc-labs.ru, "Princess". The rows' names are Grossbard's
+(US 4,020,649).
+
+Inferred: how steep the chevrons between the two mains are, where the edge between the crown's rows lies, and
+that a rectangle is a stretched square. Defaults: within what diamondscreener.com's "Princess Cut Diamond
+Guide" finds best, by "ideal" stones of the American Gem Society (depth 71 to 75 %, table 68 to 72 %, crown height
+9.5 to 14 %, two or three chevrons).
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, ClassVar
 
 import numpy as np
@@ -37,6 +42,7 @@ __all__ = ["FAMILY", "Parameters"]
 FAMILY = "princess"
 
 _DEGREE = np.pi / 180
+_AGS = "the American Gem Society's designs"
 
 
 def _crown_angle_run(values: Mapping[str, Any]) -> Any:
@@ -54,11 +60,12 @@ def _side_slopes(values: Mapping[str, Any]) -> tuple[Any, Any]:
     """Slopes of the side mains between which the pavilion is convex; of the width."""
     side, tip = (values[key] / 100.0 for key in ("side_length", "tip"))
     depth, fall = _apex(values)
-    return tuple(2.0 * depth * (1.0 - fall * at) / (1.0 - at) for at in (tip, 1.0 - side))  # type: ignore[return-value]
+    low, high = (2.0 * depth * (1.0 - fall * at) / (1.0 - at) for at in (tip, 1.0 - side))
+    return low, high
 
 
 def _apex(values: Mapping[str, Any]) -> tuple[Any, Any]:
-    """Depth where the mains in the corners meet [of the width], and their rise across half the width, of it."""
+    """Depth where the mains in the corners meet [of the width]; of it, their rise across half the width."""
     fall = 0.5 / (1.0 - values["corner"] / 100.0)
     return values["pavilion_depth"] / 100.0 / (1.0 - fall * values["culet"] / 100.0), fall
 
@@ -136,14 +143,14 @@ class Parameters(Family):
     length_to_width: float = parameter(1.0, 1.5, default=1.0, unit="")
     corner: float = parameter(0.5, 6.0, default=0.0, or_zero=True)
     table: float = parameter(45.0, 85.0, default=69.0)
-    star_azimuth: float = parameter(2.0, 10.0, default=6.0, unit="deg", why="the American Gem Society's designs")
+    star_azimuth: float = parameter(2.0, 10.0, default=6.0, unit="deg", why=_AGS)
     crown_height: float = parameter(4.0, 20.0, default=11.0)
     crown_break: float = parameter(52.0, 70.0, default=57.0)
     girdle_thickness: float = girdle_thickness(3.5)
     pavilion_depth: float = parameter(40.0, 75.0, default=58.0)
     chevrons: int = choice(2, 3, 4, default=3)
-    side_length: float = parameter(40.0, 65.0, default=50.0, why="the American Gem Society's designs")
-    tip: float = parameter(6.0, 25.0, default=10.0, why="the American Gem Society's designs")
+    side_length: float = parameter(40.0, 65.0, default=50.0, why=_AGS)
+    tip: float = parameter(6.0, 25.0, default=10.0, why=_AGS)
     bulge: float = parameter(15.0, 90.0, default=70.0)
     culet: float = parameter(0.2, 5.0, default=0.0, or_zero=True)
 
@@ -195,7 +202,7 @@ def _add_chevrons(
         )
     for k in range(4):
         stone.facet("pavilion_side", (lower[2 * k], lower[2 * k - 1], rows[0][k]))
-    for before, after in zip(rows, rows[1:], strict=False):
+    for before, after in pairwise(rows):
         for k in range(4):
             stone.facet("chevron", (lower[2 * k - 1], after[k], before[k]))
             stone.facet("chevron", (lower[2 * k], before[k], after[k]))
@@ -207,8 +214,8 @@ def _add_chevrons(
     else:
         tips = np.repeat(stone.ring("culet", points_at(np.zeros(2), -unit * depth)), 4)
     for k in range(4):
-        after = (k + 1) % 4
-        ring = (lower[2 * k], rows[-1][k], tips[k], tips[after], rows[-1][after], lower[2 * k + 1])
+        n = (k + 1) % 4
+        ring = (lower[2 * k], rows[-1][k], tips[k], tips[n], rows[-1][n], lower[2 * k + 1])
         stone.facet("pavilion_main", dict.fromkeys(map(int, ring)))
     if has_culet:
         stone.facet("culet", tips)
