@@ -15,8 +15,11 @@ PIECES = 4
 
 
 def circle(count: int = 16) -> Girdle:
-    """Return the circle of radius 1, whose girdle is a cylinder, with so many girdle points."""
-    points, tangents = _on_circle(np.arange(count)[:, None] / count)
+    """Return the circle of radius 1, whose girdle is a cylinder, with so many girdle points.
+
+    The first lies at +x, as that of round brilliants in the paper's frame.
+    """
+    points, tangents = _on_circle(0.75 + np.arange(count)[:, None] / count)
     return Girdle(points, tangents[:, 0], is_round=True)
 
 
@@ -31,7 +34,7 @@ def ellipse(half_width: Any, half_length: Any = 1.0, *, count: int = 16, pieces:
 def _on_circle(places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return points of the unit circle and its directions there, anticlockwise from +y [turns]."""
     # Exact on the axes and alike in all octants.
-    quarter, rest = np.divmod(places * 4.0, 1.0)
+    quarter, rest = np.divmod(places * 4.0 % 4.0, 1.0)
     sin, cos = np.sin(rest * (np.pi / 2)), np.cos(rest * (np.pi / 2))
     x = np.choose(quarter.astype(int), [-sin, -cos, sin, cos])
     y = np.choose(quarter.astype(int), [cos, -sin, -cos, sin])
