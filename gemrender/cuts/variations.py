@@ -345,6 +345,7 @@ def _varied(base: Stone, setting: Mapping[str, Value]) -> Stone:
         _proportions(base, base.proportions, setting),
         source=base.source,
         description=base.description,
+        size_mm=base.size_mm,
         **made,
     )
 

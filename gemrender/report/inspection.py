@@ -29,7 +29,7 @@ __all__ = [
     "inspection_values",
 ]
 
-#: Longer side of the outline that stones are weighed at where no other is asked for [mm].
+#: Longer side of the outline that stones are weighed at where none is asked for or stated [mm].
 DEFAULT_SIZE_MM = 6.5
 #: Cubic millimetres times g/cm3 are milligrams; so many make a carat.
 _CARAT_MG = 200.0
@@ -116,21 +116,24 @@ def check_size(size_mm: float) -> float:
     return size_mm
 
 
-def inspect_stone(stone: Stone, *, size_mm: float = DEFAULT_SIZE_MM) -> Inspection:
+def inspect_stone(stone: Stone, *, size_mm: float | None = None) -> Inspection:
     """Return what a stone is, in figures.
 
     Parameters
     ----------
     stone : Stone
         The stone.
-    size_mm : float
-        Longer side of its outline, or its diameter if it is round [mm].
+    size_mm : float, optional
+        Longer side of its outline, or its diameter if it is round [mm]; by default the stone's own size, of
+        one without `DEFAULT_SIZE_MM`.
 
     Raises
     ------
     InputError
         A size that no stone has, or a material that is not known.
     """
+    if size_mm is None:
+        size_mm = DEFAULT_SIZE_MM if stone.size_mm is None else stone.size_mm
     millimetre = check_size(size_mm) / 2.0
     name = "diamond" if stone.material is None else stone.material
     try:

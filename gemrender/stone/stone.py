@@ -69,6 +69,9 @@ class Stone:
         Of a round brilliant its vertices in their order.
     known_symmetry : Symmetry or None
         Its symmetry, where the cut knows it.
+    size_mm : float or None
+        Two of its units: the longer side of the outline, or the diameter of a round one [mm], where it is
+        known. It stays as it is when the stone is turned.
 
     Raises
     ------
@@ -87,6 +90,7 @@ class Stone:
     notes: tuple[str, ...] = ()
     labelled_vertices: np.ndarray | None = field(default=None, repr=False)
     known_symmetry: Symmetry | None = field(default=None, repr=False)
+    size_mm: float | None = None
 
     def __post_init__(self) -> None:
         if len(self.facets) != self.solid.n_facets:

@@ -57,6 +57,7 @@ def brilliant(
     culet: Any = 0.0,
     mains: Sequence[int] | None = None,
     axis: Sequence[Any] = (0.0, 0.0),
+    french: Sequence[int] = (),
 ) -> Construction:
     """Return a brilliant; lengths in the stone's unit, half the longer side of its outline.
 
@@ -78,9 +79,13 @@ def brilliant(
         Girdle points that pavilion mains stand at; by default every other one, below the bezels.
     axis : pair of number
         Where the culet lies.
+    french : sequence of int
+        Table corners without a bezel, on a mirror plane of the crown: French tips.
     """
     stone = Construction()
-    upper = add_crown(stone, girdle, table=table, star=star, height=crown_height, thickness=thickness)
+    upper = add_crown(
+        stone, girdle, table=table, star=star, height=crown_height, thickness=thickness, french=french
+    )
     lower = add_pavilion(
         stone,
         girdle,
@@ -95,9 +100,20 @@ def brilliant(
 
 
 def add_crown(
-    stone: Construction, girdle: Girdle, *, table: np.ndarray, star: Any, height: Any, thickness: Any
+    stone: Construction,
+    girdle: Girdle,
+    *,
+    table: np.ndarray,
+    star: Any,
+    height: Any,
+    thickness: Any,
+    french: Sequence[int] = (),
 ) -> np.ndarray:
-    """Add a crown; return the numbers of the points of the girdle's upper edge, (2n, pieces) int64."""
+    """Add a crown; return the numbers of the points of the girdle's upper edge, (2n, pieces) int64.
+
+    Where a bezel is left out, the stars and halves beside it are extended to the mirror plane, and meet there
+    in a ridge from the table's corner to the girdle.
+    """
     feet, count = girdle.feet, len(girdle.feet)
     foot = points_at(feet[::2], thickness)
     corners = points_at(table, thickness + height)
@@ -117,13 +133,23 @@ def add_crown(
     t, s = stone.ring("table", corners), stone.ring("star", tips)
     u = stone.ring("girdle_upper", edge.reshape(-1, 3)).reshape(edge.shape[:2])
     ends = np.roll(u[:, 0], -1)
+    ridge: dict[int, tuple[int, ...]] = {}
+    if french:
+        at = np.array(french)
+        stars = plane_through(corners, tips, np.roll(corners, -1, axis=0))
+        bends = stone.ring("ridge", _meet(stars[at - 1], stars[at], halves[2 * at]))
+        ridge = {int(k): (int(bend),) for k, bend in zip(french, bends, strict=True)}
     stone.facet("table", t)
     for k in range(len(t)):
-        stone.facet("star", (t[k], s[k], t[(k + 1) % len(t)]))
+        after_it = (k + 1) % len(t)
+        stone.facet("star", (t[k], *ridge.get(k, ()), s[k], *ridge.get(after_it, ()), t[after_it]))
     for k in range(len(t)):
-        stone.facet("bezel", (t[k], s[k - 1], u[2 * k, 0], s[k]))
+        if k not in ridge:
+            stone.facet("bezel", (t[k], s[k - 1], u[2 * k, 0], s[k]))
     for j in range(count):
-        stone.facet("upper_girdle", (s[j // 2], *u[j], ends[j]))
+        # Of the two halves at a star's tip the first begins at a bezel's foot, and the second ends at one.
+        first, second = ((), ridge.get((j + 1) // 2 % len(t), ())) if j % 2 else (ridge.get(j // 2, ()), ())
+        stone.facet("upper_girdle", (s[j // 2], *first, *u[j], ends[j], *second))
     return u
 
 
