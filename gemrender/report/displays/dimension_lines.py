@@ -36,8 +36,8 @@ def draw_dimension(
 ) -> None:
     """Draw a dimension with extension lines: level at the height line[1], or upright at line[0].
 
-    Of an upright one the text is level, or `turned` along it. A text that `is_wide`, wider than its dimension,
-    stands beyond the ends of the extension lines.
+    Of an upright one the text is level, or `turned` along it. A text that `is_wide`, wider than its
+    dimension, stands beyond the ends of the extension lines.
     """
     axis = 0 if upright else 1
     across = 1 - axis

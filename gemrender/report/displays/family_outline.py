@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gemrender.cuts.families import families
 from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.marks import VIEWS
 from gemrender.cuts.families.parameters import unit_of
@@ -41,7 +40,7 @@ def family_outline_figure(stone: Stone) -> Figure:
     """Draw a cut of a family in four views to one scale, with its marks, its parameters and its tiers."""
     cut = stone.cut
     assert isinstance(cut, Family)
-    [name] = [name for name, kind in families().items() if type(cut) is kind]
+    name = cut.family()
     projections: dict[str, Projection] = {"crown": CROWN, "pavilion": PAVILION, "width": side()}
     if not stone.is_round:
         projections["length"] = side(90.0)
