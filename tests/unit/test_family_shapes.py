@@ -116,5 +116,7 @@ def test_derivatives_of_planes_are_those_of_differences(kind):
 @pytest.mark.parametrize("kind", FAMILIES.values(), ids=FAMILIES)
 def test_alternatives_lead_back_to_the_parameters(kind):
     cut = kind()
+    numbers = {name: value for name, value in cut.values().items() if not isinstance(value, str)}
     for name, value in cut.alternatives().items():
-        assert cut.changed(**{name: value}).values() == pytest.approx(cut.values(), rel=ROUNDING)
+        back = cut.changed(**{name: value}).values()
+        assert {key: back[key] for key in numbers} == pytest.approx(numbers, rel=ROUNDING)
