@@ -16,6 +16,7 @@ import numpy as np
 from gemrender.cuts.content import DESIGN_KINDS, SOLID_KINDS, kind_of_file
 from gemrender.cuts.families import families
 from gemrender.cuts.families.stated import from_values
+from gemrender.cuts.families.suggest import stone_of
 from gemrender.cuts.laboratory import DEFAULTS, REPORT_KEYS, missing_parts, read_report
 from gemrender.cuts.load import load_design_file
 from gemrender.cuts.mesh_stone import check_up
@@ -211,10 +212,9 @@ def _from_toml(path: Path) -> Stone:
             proportions, assumed = _proportions(top, shape, mistakes)
     if shape == "cut":
         with located_at(source, shape):
-            made: Stone = cut.stone(
-                name=str(name), material=material, source=source, description=shape, assumed=taken
+            return stone_of(
+                cut, name=str(name), material=material, source=source, description=shape, assumed=taken
             )
-            return made
     if shape == "vertices":
         return _measured(vertices, name=str(name), material=material, toml=path)
     if shape in ("design", "mesh"):
@@ -239,24 +239,22 @@ def _from_toml(path: Path) -> Stone:
         )
 
 
-def _proportions(
-    top: dict[str, Any], shape: str, mistakes: Mistakes
-) -> tuple[RoundBrilliant | None, tuple[str, ...]]:
-    """Return the proportions that a section gives, and what was assumed; none where it has mistakes."""
+def _proportions(top: dict[str, Any], shape: str, mistakes: Mistakes) -> tuple[Any, tuple[str, ...]]:
+    """Return the cut that a section gives, and what was assumed; none where it has mistakes."""
     before = len(mistakes.errors)
     is_report = shape == "report" or (shape == "angles" and _is_report(top[shape]))
     keys = REPORT_KEYS if is_report else _SECTIONS[shape]
     values = section(top, shape, keys, _home, mistakes)
     misspelt = len(mistakes.errors) > before
 
-    def made() -> tuple[RoundBrilliant | None, tuple[str, ...]]:
+    def made() -> tuple[Any, tuple[str, ...]]:
         with located_at(None, shape):
             if is_report:
                 checked_values({key: value for key, value in values.items() if _has_range(key, value)})
                 if missing_parts(values):
                     return None, ()
                 report = read_report(values)
-                return report.proportions, tuple(map(str, report.assumed))
+                return report.cut, tuple(map(str, report.assumed))
             if len(values) == len(keys):
                 make = RoundBrilliant if shape == "proportions" else RoundBrilliant.from_angles
                 return make(**values), ()

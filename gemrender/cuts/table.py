@@ -19,6 +19,7 @@ from typing import Any
 
 from gemrender.cuts.columns import Columns, match_columns
 from gemrender.cuts.delimited import Dialect, open_rows, sniff
+from gemrender.cuts.families.round_brilliant import with_culet
 from gemrender.cuts.laboratory import Assumed, Report, missing_parts, read_report
 from gemrender.cuts.round_brilliant.proportions import RoundBrilliant
 from gemrender.cuts.stones import LONGEST_NAME, Stones
@@ -63,6 +64,7 @@ class StoneTable(Stones):
     def __init__(self, path: Path, dialect: Dialect, columns: Columns) -> None:
         self.path, self.columns = path, columns
         self._numbers = array("d")
+        self._culets = array("d")
         self._lines = array("q")
         self._names: list[str] = []
         self._materials: list[str | float | None] = []
@@ -83,14 +85,14 @@ class StoneTable(Stones):
         return {material: self._source(i) for material, i in found.items()}
 
     def proportions(self, i: int) -> RoundBrilliant:
-        """Return the proportions of row i, from 0."""
+        """Return the proportions of row i, from 0; of a stone with a culet, all but that."""
         size = len(_FIELDS)
         values = self._numbers[size * i : size * (i + 1)]
         return RoundBrilliant(**dict(zip(_FIELDS, values, strict=True)))
 
     def _stone(self, i: int) -> Stone:
         return Stone.from_proportions(
-            self.proportions(i),
+            with_culet(self.proportions(i), self._culets[i]),
             name=self._names[i],
             material=self._materials[i],
             source=self._source(i),
@@ -123,6 +125,7 @@ class StoneTable(Stones):
                 if first is not None:
                     continue
                 self._numbers.extend(_numbers_of(report.proportions))
+                self._culets.append(report.culet)
                 self._lines.append(line)
                 self._names.append(name)
                 self._materials.append(same.setdefault(material, material))

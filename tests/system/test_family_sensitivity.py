@@ -19,14 +19,14 @@ FAMILIES = {name: kind for name, kind in families().items() if issubclass(kind, 
 POLYGONAL = {name: kind for name, kind in FAMILIES.items() if not kind().stone().is_round}
 #: Fewer virtual facets than diamond has, and light that is reflected more often left out.
 MODEL = Model(index=1.77, fresnel="exact", max_reflections=6)
-#: Steps of central differences [% or deg]: scores jump where facets reach the critical angle, small steps have
-#: rounding; the one that agrees best counts.
+#: Steps of central differences [% or deg]: scores jump where facets reach the critical angle, small steps
+#: have rounding; the one that agrees best counts.
 STEPS = (1e-6, 1e-7, 1e-8)
 
 
 @pytest.mark.parametrize("name", POLYGONAL)
 def test_derivatives_are_central_differences(name):
-    """Of each family by one parameter, another one in each family; planes are held for all of them elsewhere."""
+    """Of each family by one parameter, another one in each; planes are held for all of them elsewhere."""
     cut = POLYGONAL[name]()
     changes = [change for change in changes_of(cut) if change.value]
     change = changes[list(POLYGONAL).index(name) % len(changes)]
@@ -55,7 +55,7 @@ def test_angles_stay_where_they_are_kept():
 
 
 def test_a_round_girdle_has_bounds():
-    """Near a round girdle rays tell how light changes: the difference of two scores lies within the bounds."""
+    """Near a round girdle rays tell how light changes: a difference of scores lies within the bounds."""
     cut = FAMILIES["single cut"]()
     found = sensitivity(cut.stone(), bound=0.5)
     for derivative in found.derivatives:

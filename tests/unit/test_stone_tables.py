@@ -367,10 +367,10 @@ REFUSED = {
         lines((*ROW, "Round"), (*ROW, "Pear"), header=(*ANGLES, "Shape")),
         "row 2 (line 3), Shape = 'Pear': must be round: other shapes cannot be made yet",
     ),
-    "culet facet": (
-        lines((*ROW, "Small"), header=(*ANGLES, "Culet")),
-        "row 1 (line 2), Culet = 'Small': must be none or pointed: stones with a culet facet cannot be made "
-        "yet",
+    "culet in no words": (
+        lines((*ROW, "Tiny"), header=(*ANGLES, "Culet")),
+        "row 1 (line 2), Culet = 'Tiny': must be 0 or from 0.1 to 20 [% of the diameter], or one of none, "
+        "very small, small, medium, slightly large, large, very large, extremely large",
     ),
     "row numbers for an index": (
         lines((*ROW, 1), header=(*ANGLES, "index")),

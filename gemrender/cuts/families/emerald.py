@@ -53,10 +53,10 @@ class Parameters(Family):
     corner: float = parameter(4.0, 30.0, default=12.0, why="the commonest")
     table: float = parameter(40.0, 80.0, default=65.0)
     crown_height: float = parameter(6.0, 25.0, default=12.0)
-    crown_bulge: float = parameter(0.2, 3.0, default=1.5, why="steps of 43, 34 and 23 deg")
-    girdle_thickness: float = girdle_thickness(4.0)
+    crown_bulge: float = parameter(0.2, 3.0, default=2.0, why="steps of 46, 34 and 19 deg")
+    girdle_thickness: float = girdle_thickness(4.5)
     pavilion_depth: float = parameter(35.0, 65.0, default=50.0)
-    pavilion_bulge: float = parameter(0.5, 8.0, default=3.0, why="steps of 50, 45 and 39 deg")
+    pavilion_bulge: float = parameter(0.5, 8.0, default=5.5, why="steps of 53, 45 and 34 deg")
     culet: float = parameter(0.2, 20.0, default=0.0, or_zero=True)
     pavilion_steps: int = choice(3, 4, 5, default=3, why="the commonest")
 
@@ -67,15 +67,19 @@ class Parameters(Family):
         percent = 2.0 * half_width / 100.0
         return step_cut(
             rectangle(half_width, 1.0, percent * values["corner"]),
-            table=values["table"] / 100.0,
-            crown=profile(3, percent * values["crown_height"], percent * values["crown_bulge"]),
+            crown=profile(
+                3,
+                1.0 - values["table"] / 100.0,
+                percent * values["crown_height"],
+                percent * values["crown_bulge"],
+            ),
             thickness=percent * values["girdle_thickness"],
             pavilion=profile(
                 values["pavilion_steps"],
+                1.0 - values["culet"] / 100.0,
                 percent * values["pavilion_depth"],
                 percent * values["pavilion_bulge"],
             ),
-            culet=values["culet"] / 100.0,
         )
 
     def marks(self) -> tuple[Mark, ...]:

@@ -111,6 +111,10 @@ class Family:
         """
         made = self.construction()
         made.check()
+        return self.stone_of(made, **facts)
+
+    def stone_of(self, made: Construction, **facts: Any) -> Stone:
+        """Make the stone of its meet points, as they are; `facts` are fields of `Stone`."""
         planes = made.planes
         return Stone(
             solid=ConvexSolid(planes=planes, facet=np.arange(len(planes)), is_round=self.IS_ROUND),

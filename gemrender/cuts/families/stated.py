@@ -88,6 +88,8 @@ def from_values(kind: Any, values: Mapping[str, Any]) -> tuple[Any, tuple[str, .
         cut = kind(**own)
     if isinstance(words, str) and "girdle_thickness" in stated:
         taken.insert(0, f"girdle {cut.girdle_thickness:.3g} of '{words}'")
+    if isinstance(own.get("culet"), str):
+        taken.append(f"culet {cut.culet:.3g} of '{own['culet']}'")
     taken += [
         f"{_label(name)} {_text(getattr(cut, name))} ({part.metadata['why']})"
         for name, part in parts.items()
