@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import nullcontext
 from dataclasses import dataclass, fields
 from typing import Any
 
 from gemrender.cuts.families.stated import read_values, stated_keys
-from gemrender.cuts.girdle_words import check_culet, read_girdle
+from gemrender.cuts.girdle_words import read_culet, read_girdle
 from gemrender.cuts.laboratory import REPORT_KEYS, Assumed
 from gemrender.cuts.shape_words import Shape
 from gemrender.cuts.size import StatedSize
@@ -79,7 +78,7 @@ def read_fancy_report(
     """
     kind = shape.kind
     stated = {key: value for key, value in values.items() if key != "shape"}
-    _read_culet(kind, stated)
+    by_words = tuple(_read_culet(kind, stated))
     _read_girdle(stated)
     over: tuple[str, ...] = ()
     if passes_over:
@@ -91,7 +90,7 @@ def read_fancy_report(
         raise InputError(f"needs {missing}")
     with nullcontext() if size is None else size.blamed(made, source):
         cut, assumed = read_values(kind, {**shape.fixed, **stated, **made})
-    return FancyReport(cut, assumed, over)
+    return FancyReport(cut, (*assumed, *by_words), over)
 
 
 def _missing(kind: Any, known: Mapping[str, Any]) -> str:
@@ -104,24 +103,23 @@ def _missing(kind: Any, known: Mapping[str, Any]) -> str:
     return ", ".join(parts)
 
 
-def _read_culet(kind: Any, stated: dict[str, Any]) -> None:
-    """Make a number of a culet's words; a family whose stones have none takes words that say so."""
+def _read_culet(kind: Any, stated: dict[str, Any]) -> Iterator[Assumed]:
+    """Make a number of a culet's words, and say so; a family without one takes "none" alone."""
     if "culet" not in stated:
         return
     value = stated["culet"]
-    has_culet = any(part.name == "culet" for part in fields(kind))
-    if isinstance(value, str):
-        number = re.fullmatch(r"(\d+(?:[.,]\d+)?)\s*%?", value.strip())
-        if number is not None:
-            value = float(number[1].replace(",", "."))
-        else:
-            check_culet(value)
-            value = 0.0
-    if has_culet:
-        stated["culet"] = value
-        return
-    check_culet(value)
-    del stated["culet"]
+    try:
+        width = read_culet(value)
+    except InputError as error:
+        raise InputError(error.allowed, key="culet", value=value) from error
+    if any(part.name == "culet" for part in fields(kind)):
+        stated["culet"] = width
+        if width and isinstance(value, str) and not any(c.isdigit() for c in value):
+            yield Assumed("culet", width, f"of '{' '.join(value.casefold().split())}'")
+    elif width:
+        raise InputError("must be none: cuts of this shape have none", key="culet", value=value)
+    else:
+        del stated["culet"]
 
 
 def _read_girdle(stated: dict[str, Any]) -> None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from gemrender.cuts.families.stated import stated_keys
+from gemrender.cuts.families.suggest import stone_of
 from gemrender.cuts.fancy_reports import FancyReport, read_fancy_report
 from gemrender.cuts.shape_words import Shape
 from gemrender.cuts.size import StatedSize
@@ -45,7 +46,7 @@ class FancyRow:
             As `read_fancy_report`, or the cut makes no stone of the size.
         """
         report = read_fancy_report(self.shape, self.values, self.size, passes_over=True)
-        stone: Stone = report.cut.stone(assumed=tuple(map(str, report.assumed)), **facts)
+        stone = stone_of(report.cut, assumed=tuple(map(str, report.assumed)), **facts)
         if self.size is not None:
             stone = self.size.sized(stone, stated_keys(self.shape.kind), needs_density=False)
         return stone, report

@@ -15,6 +15,7 @@ from gemrender.cuts.bundled import bundled_stones, find_stone, no_such_stone
 from gemrender.cuts.content import DESIGN_KINDS, SOLID_KINDS, kind_of_file
 from gemrender.cuts.families import families
 from gemrender.cuts.families.stated import from_values, stated_keys
+from gemrender.cuts.families.suggest import stone_of
 from gemrender.cuts.fancy_reports import fancy_keys, read_fancy_report
 from gemrender.cuts.laboratory import DEFAULTS, REPORT_KEYS, missing_parts, read_report
 from gemrender.cuts.load import load_design_file
@@ -174,8 +175,8 @@ def _from_toml(path: Path) -> Stone:
         assert made is not None
         cut, assumed, agreed = made
         with located_at(source, shape):
-            stone = cut.stone(
-                name=str(name), material=material, source=source, description=shape, assumed=assumed
+            stone = stone_of(
+                cut, name=str(name), material=material, source=source, description=shape, assumed=assumed
             )
     if size is None:
         return stone
@@ -228,7 +229,7 @@ def _round_brilliant(
                 if missing_parts(values | by_size):
                     return None
                 report = read_report(values | by_size)
-                return report.proportions, tuple(map(str, report.assumed)), ("depth",)
+                return report.cut, tuple(map(str, report.assumed)), ("depth",)
             if len(values) == len(keys):
                 make = RoundBrilliant if shape == "proportions" else RoundBrilliant.from_angles
                 return make(**values), (), ()

@@ -15,6 +15,7 @@ from typing import Any
 
 from gemrender.cuts.columns import Columns, match_columns
 from gemrender.cuts.delimited import Dialect, open_rows, sniff
+from gemrender.cuts.families.round_brilliant import with_culet
 from gemrender.cuts.fancy_rows import FancyRows
 from gemrender.cuts.laboratory import Report, missing_parts
 from gemrender.cuts.round_brilliant.proportions import RoundBrilliant
@@ -57,6 +58,7 @@ class StoneTable(Stones):
         # Of each row its place among the round ones, or that among the others, counted from -1 down.
         self._place = array("q")
         self._sizes = array("d")
+        self._culets = array("d")
         self._lines = array("q")
         self._names: list[str] = []
         self._materials: list[str | float | None] = []
@@ -77,7 +79,7 @@ class StoneTable(Stones):
         return {material: self._source(i) for material, i in found.items()}
 
     def proportions(self, i: int) -> Any:
-        """Return the proportions of row i, from 0, or the parameters of a stone that is not round."""
+        """Return the proportions of row i, from 0, but for a culet; of a stone that is not round its cut."""
         place = self._place[i]
         if place < 0:
             return self._stone(i).cut
@@ -91,10 +93,11 @@ class StoneTable(Stones):
             "material": self._materials[i],
             "source": self._source(i),
         }
-        if self._place[i] < 0:
-            return self._fancy[-1 - self._place[i]].stone(description="report", **facts)[0]
+        place = self._place[i]
+        if place < 0:
+            return self._fancy[-1 - place].stone(description="report", **facts)[0]
         return Stone.from_proportions(
-            self.proportions(i),
+            with_culet(self.proportions(i), self._culets[place]),
             description="report" if "crown_angle" in self.columns.place else "proportions",
             assumed=self._assumed[i],
             size_mm=self._sizes[i] or None,
@@ -135,6 +138,7 @@ class StoneTable(Stones):
                 if isinstance(made, Report):
                     self._place.append(len(self._numbers) // len(_FIELDS))
                     self._numbers.extend(_numbers_of(made.proportions))
+                    self._culets.append(made.culet)
                     assumed = tuple(map(str, made.assumed))
                     told.count(made.assumed)
                 else:

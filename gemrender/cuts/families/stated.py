@@ -94,6 +94,8 @@ def read_values(kind: Any, values: Mapping[str, Any]) -> tuple[Any, tuple[Assume
         cut = kind(**own)
     if isinstance(words, str) and "girdle_thickness" in stated:
         taken.insert(0, Assumed("girdle", cut.girdle_thickness, f"of '{words}'"))
+    if isinstance(own.get("culet"), str):
+        taken.append(Assumed("culet", cut.culet, f"of '{own['culet']}'"))
     open_parts = [(name, part) for name, part in parts.items() if name not in own]
     # What reports leave open comes first: that is what one may want to set.
     for name, part in sorted(open_parts, key=lambda item: not item[1].metadata["why"]):
