@@ -3,13 +3,13 @@
 How the facets lie, sourced: 25 crown facets, a table, 6 stars, 6 mains (rhombs and kites: three at the sides,
 three in the corners) and 12 upper halves, and with three mains 15 pavilion facets: mgc-labs.ru, "Trillion"
 (T-52, with 12 of the girdle); with six mains 18, and the culet: 25 and 19 (diamondsonweb.com, "Trillion cut
-diamond"). Sides bowed (trilliant) or straight, corners rounded or sharp: diamondshapes.net, "Trilliant"; sides
-as arcs and rounded corners: github.com/vlad0007/polyhedron2, chapter 28. Length and width are measured as by
-gemgate.com, "Triangular Brilliant Estimation".
+diamond"). Sides bowed (trilliant) or straight, corners rounded or sharp: diamondshapes.net, "Trilliant";
+sides as arcs and rounded corners: github.com/vlad0007/polyhedron2, chapter 28. Length and width are measured
+as by gemgate.com, "Triangular Brilliant Estimation".
 
-Inferred: where the girdle points between corners and middles lie, the proportions, which are those that return
-much light, and that three mains lie at the sides, since in the corners they would be slight. Straight sides
-cannot be made: a main at the middle of one would hold all of it.
+Inferred: where the girdle points between corners and middles lie, the proportions, which are those that
+return much light, and that three mains lie at the sides, since in the corners they would be slight. Straight
+sides cannot be made: a main at the middle of one would hold all of it.
 """
 
 from __future__ import annotations
