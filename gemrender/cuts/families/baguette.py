@@ -7,9 +7,9 @@ from typing import Any, ClassVar
 
 from gemrender.cuts.construction import Construction
 from gemrender.cuts.construction.steps import profile, step_cut, trapezoid
+from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.heights import CROWN_ANGLE, PAVILION_ANGLE
 from gemrender.cuts.families.parameters import Alternative, choice, girdle_thickness, parameter
-from gemrender.cuts.families.stepped import SteppedCut
 
 __all__ = ["FAMILY", "Parameters"]
 
@@ -17,7 +17,7 @@ FAMILY = "baguette"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Parameters(SteppedCut):
+class Parameters(Family):
     """A baguette.
 
     Parameters

@@ -7,8 +7,9 @@ from typing import Any
 
 from gemrender.cuts.construction import Construction
 from gemrender.cuts.construction.outlines import marquise
-from gemrender.cuts.families.elongated import ElongatedBrilliant, tips
+from gemrender.cuts.families.elongated import ElongatedBrilliant, tips, wing_marks
 from gemrender.cuts.families.parameters import parameter
+from gemrender.cuts.marks import Mark, usual_marks
 
 __all__ = ["FAMILY", "Parameters"]
 
@@ -51,3 +52,8 @@ class Parameters(ElongatedBrilliant):
         """Return meet points and facets; complex values give complex points."""
         girdle = marquise(1.0 / values["length_to_width"], wing=values["wing"] / 100.0)
         return cls.on_outline(girdle, values, french=(0, 4) if values["tips"] == "french" else ())
+
+    def marks(self) -> tuple[Mark, ...]:
+        """Return what its drawing says at arrows."""
+        made = self.construction()
+        return (*usual_marks(made), *wing_marks(made))

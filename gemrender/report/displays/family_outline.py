@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gemrender.cuts.families.family import Family
-from gemrender.cuts.families.marks import VIEWS
 from gemrender.cuts.families.parameters import unit_of
+from gemrender.cuts.marks import VIEWS
 from gemrender.report.displays.marks import MarkedView
 from gemrender.report.displays.outline import draw_tiers
 from gemrender.report.displays.page import PAPER, Page, draw_lines, stone_extent
@@ -134,12 +134,12 @@ class _Tables:
     @property
     def stacked(self) -> float:
         """Height of both tables, one above the other [inch]."""
-        return self.parameters + 0.75 + _TIER * len(self._tiers)
+        return self.parameters + 1.15 + _TIER * len(self._tiers)
 
     @property
     def side_by_side(self) -> float:
         """Height of both tables, side by side [inch]."""
-        return max(self.parameters, 0.75 + _TIER * len(self._tiers))
+        return max(self.parameters, 1.15 + _TIER * len(self._tiers))
 
     def draw_parameters(self, axes: Axes) -> None:
         width, height = axes.get_xlim()[1], axes.get_ylim()[1]
