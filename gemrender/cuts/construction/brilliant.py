@@ -60,6 +60,7 @@ def brilliant(
     culet: Any = 0.0,
     mains: Sequence[int] | None = None,
     axis: Sequence[Any] = (0.0, 0.0),
+    french: Sequence[int] = (),
     crown_painting: Any = None,
     pavilion_painting: Any = None,
 ) -> Construction:
@@ -83,6 +84,8 @@ def brilliant(
         Girdle points that pavilion mains stand at; by default every other one, below the bezels.
     axis : pair of number
         Where the culet lies.
+    french : sequence of int
+        Table corners without a bezel, on a mirror plane of the crown: French tips.
     crown_painting, pavilion_painting : number, optional
         By how much halves are turned towards the mains [rad]; negative where they are dug out. Of outlines
         that are alike on both sides of each girdle point, with mains at every other one: round ones.
@@ -95,6 +98,7 @@ def brilliant(
         star=star,
         height=crown_height,
         thickness=thickness,
+        french=french,
         painting=crown_painting,
     )
     lower = add_pavilion(
@@ -119,9 +123,14 @@ def add_crown(
     star: Any,
     height: Any,
     thickness: Any,
+    french: Sequence[int] = (),
     painting: Any = None,
 ) -> np.ndarray:
-    """Add a crown; return the numbers of the points of the girdle's upper edge, (2n, pieces) int64."""
+    """Add a crown; return the numbers of the points of the girdle's upper edge, (2n, pieces) int64.
+
+    Where a bezel is left out, the stars and halves beside it are extended to the mirror plane, and meet there
+    in a ridge from the table's corner to the girdle.
+    """
     feet, count = girdle.feet, len(girdle.feet)
     foot = points_at(feet[::2], thickness)
     corners = points_at(table, thickness + height)
@@ -141,13 +150,23 @@ def add_crown(
     t, s = stone.ring("table", corners), stone.ring("star", tips)
     u = stone.ring("girdle_upper", edge.reshape(-1, 3)).reshape(edge.shape[:2])
     ends = np.roll(u[:, 0], -1)
+    ridge: dict[int, tuple[int, ...]] = {}
+    if french:
+        at = np.array(french)
+        stars = plane_through(corners, tips, np.roll(corners, -1, axis=0))
+        bends = stone.ring("ridge", _meet(stars[at - 1], stars[at], halves[2 * at]))
+        ridge = {int(k): (int(bend),) for k, bend in zip(french, bends, strict=True)}
     stone.facet("table", t)
     for k in range(len(t)):
-        stone.facet("star", (t[k], s[k], t[(k + 1) % len(t)]))
+        after_it = (k + 1) % len(t)
+        stone.facet("star", (t[k], *ridge.get(k, ()), s[k], *ridge.get(after_it, ()), t[after_it]))
     for k in range(len(t)):
-        stone.facet("bezel", (t[k], s[k - 1], u[2 * k, 0], s[k]))
+        if k not in ridge:
+            stone.facet("bezel", (t[k], s[k - 1], u[2 * k, 0], s[k]))
     for j in range(count):
-        stone.facet("upper_girdle", (s[j // 2], *u[j], ends[j]))
+        # Of the two halves at a star's tip the first begins at a bezel's foot, and the second ends at one.
+        first, second = ((), ridge.get((j + 1) // 2 % len(t), ())) if j % 2 else (ridge.get(j // 2, ()), ())
+        stone.facet("upper_girdle", (s[j // 2], *first, *u[j], ends[j], *second))
     return u
 
 
@@ -174,7 +193,7 @@ def add_pavilion(
     steps = np.diff([*mains, mains[0] + count])
     centre = np.array(axis)
     # Mains meet in one point, below the culet where there is one.
-    apex = points_at(centre, top - depth / (1.0 - culet))
+    apex = points_at(centre, top - depth / (1.0 - culet * _widths(girdle, mains)))
     foot = points_at(feet[mains], top)
     planes = plane_through(foot, foot + points_at(girdle.tangents[mains], 0.0), apex)
     after = np.roll(planes, -1, axis=0)
@@ -246,6 +265,20 @@ def _risen(edge: np.ndarray, halves: np.ndarray) -> np.ndarray:
     """Return a girdle's edge (2n, pieces, 3) with the points between girdle points on the halves (2n, 4)."""
     between = points_at(edge[:, 1:, :2], height_of(halves[:, None], edge[:, 1:, :2]))
     return np.concatenate([edge[:, :1], between], axis=1)
+
+
+def _widths(girdle: Girdle, mains: Sequence[int]) -> Any:
+    """Return the width of the outline over that of the mains' level section at the girdle."""
+    feet, along = girdle.feet[mains], girdle.tangents[mains]
+    lines = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    offsets = (lines * feet).sum(axis=1)
+    pairs = np.stack([lines, np.roll(lines, -1, axis=0)], axis=1)
+    both = np.stack([offsets, np.roll(offsets, -1)], axis=1)
+    x = np.linalg.solve(pairs, both[..., None])[:, 0, 0]
+    across = girdle.feet[:, 0]
+    return (across[across.real.argmax()] - across[across.real.argmin()]) / (
+        x[x.real.argmax()] - x[x.real.argmin()]
+    )
 
 
 def _share(contacts: np.ndarray, apex: np.ndarray, height: Any) -> np.ndarray:
