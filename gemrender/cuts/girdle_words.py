@@ -57,8 +57,8 @@ _BESIDE = re.compile(
 #: Width of the culet for each of GIA's words [% of the girdle diameter]. Its graders judge the words by eye
 #: (Lanzl et al., see above), and it publishes no per cent for them. These are inferred: up to medium a culet
 #: is not seen without a loupe (what AGS allows in its best grade), and 0.3 mm on a stone of 6.5 mm, 4.5 %, is
-#: about where that ends; that of old brilliants by Jeffries's rule (A treatise on diamonds and pearls, 1750:
-#: a fifth of the table, a ninth of the width), is the largest of all. A width in a report counts more.
+#: about where that ends; that of old brilliants, an octahedron with 1/18 of its height cut off (McCarthy,
+#: Fire in the Earth, 1942, p. 236), a ninth of the width, is among the largest.
 CULET_WORDS: dict[str, float] = {
     "none": 0.0,
     "very small": 0.6,

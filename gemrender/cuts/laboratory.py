@@ -19,9 +19,10 @@ from gemrender.cuts.round_brilliant.proportions import (
     number_within,
     pavilion_depth_from_angle,
 )
+from gemrender.cuts.shape_words import read_shape
 from gemrender.errors import InputError
 
-__all__ = ["DEFAULTS", "REPORT_KEYS", "Assumed", "Report", "missing_parts", "read_report"]
+__all__ = ["DEFAULTS", "OWN", "REPORT_KEYS", "Assumed", "Report", "missing_parts", "read_report"]
 
 #: What a report may state, in the order that it is told in.
 REPORT_KEYS = (
@@ -43,25 +44,26 @@ ROUNDING = {
 }  # fmt: skip
 #: What a thickness in words may be beside the middle or the ends of its words [%].
 WORDS_TOLERANCE = 1.5
+#: Why a parameter of a family is what it is that is not stated, unless reports always leave it open.
+OWN = "(the family's own)"
 #: A total depth that can be meant [%]; one in millimetres is below.
 DEPTH_RANGE = (20.0, 160.0)
-
-_ROUND = {
-    "round", "rounds", "rd", "rnd", "rb", "rbc", "br", "r", "round brilliant", "brilliant round",
-    "round brilliant cut", "round cut", "brilliant", "standard round brilliant", "round shape",
-    "round cut brilliant", "brilliant cut round",
-}  # fmt: skip
 
 
 class Assumed(NamedTuple):
     """Something that a report does not state: what was taken for it, and why."""
 
     what: str
-    value: float
+    value: float | str
     why: str
 
+    @property
+    def told(self) -> str:
+        """The value in words."""
+        return self.value if isinstance(self.value, str) else f"{self.value:.3g}"
+
     def __str__(self) -> str:
-        return f"{self.what} {self.value:.3g} {self.why}"
+        return f"{self.what} {self.told} {self.why}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -344,6 +346,5 @@ def _contact(values: Mapping[str, object], assumed: list[Assumed]) -> float:
 
 
 def _check_shape(shape: object) -> None:
-    words = " ".join(str(shape).casefold().replace("-", " ").replace("_", " ").split())
-    if words not in _ROUND:
-        raise InputError("must be round: other shapes cannot be made yet", key="shape", value=shape)
+    if not read_shape(str(shape)).is_round_brilliant:
+        raise InputError("must be round: this is for round brilliants", key="shape", value=shape)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = [
+    "rounding_text",
+    "rounding_values",
     "tolerance_figure",
     "tolerance_records",
     "tolerance_table",
@@ -100,23 +103,44 @@ def unknown_text(study: ToleranceStudy) -> str:
     return f"Vertices off by {unknown.to_dict()['jitter']:g} girdle radii (standard deviation); {draws}"
 
 
+def rounding_text(study: ToleranceStudy) -> str:
+    """Say what a report's rounding does to the paper's scores, for a note."""
+    average, rear = _of_scores(study)
+    return (
+        f"{study.name}: within the report's rounding Average {average.low:.1f} to {average.high:.1f}, Rear "
+        f"{rear.low:.1f} to {rear.high:.1f} (central 95 % of {len(study.drawn)} draws; gemrender tolerance)"
+    )
+
+
+def rounding_values(study: ToleranceStudy) -> dict[str, Any]:
+    """Return the same as JSON has it: limits of the central 95 % [%]."""
+    spreads = {of.key: {"low": of.low, "high": of.high} for of in _of_scores(study)}
+    return {"rounding": {"draws": len(study.drawn), **spreads}}
+
+
+def _of_scores(study: ToleranceStudy) -> tuple[Spread, Spread]:
+    found = {of.key: of for of in study.spreads() if of.measure == "inoue"}
+    return found["average"], found["rear"]
+
+
 def tolerance_figure(study: ToleranceStudy) -> Figure:
     """Draw the distribution of each value that spreads, the stated value marked."""
     from matplotlib.figure import Figure
 
     shown = _spreading(study)
     rows = max(1, -(-len(shown) // _COLUMNS))
-    height = 1.0 + 2.35 * rows
+    height = 1.2 + 2.35 * rows
     figure = Figure(figsize=(11.0, height), dpi=140)
     figure.text(
         0.04, 1 - 0.36 / height, study.name, fontsize=16, fontweight="bold", color=_INK,
         family=name_fonts(), parse_math=False,
     )  # fmt: skip
-    figure.text(0.04, 1 - 0.64 / height, unknown_text(study), fontsize=9.5, color=_GREY)
+    words = textwrap.fill(unknown_text(study), 130)
+    figure.text(0.04, 1 - 0.52 / height, words, fontsize=9.5, color=_GREY, va="top", linespacing=1.3)
     for number, of in enumerate(shown):
         row, column = divmod(number, _COLUMNS)
         values = study.drawn[:, _place(study, of)]
-        bottom = 1 - (1.0 + 2.35 * (row + 1) - 0.5) / height
+        bottom = 1 - (1.2 + 2.35 * (row + 1) - 0.5) / height
         axes = figure.add_axes((0.04 + 0.325 * column, bottom, 0.275, 1.2 / height))
         axes.hist(values[np.isfinite(values)], bins="auto", color=_COLOUR, edgecolor="white", linewidth=0.5)
         axes.axvspan(of.low, of.high, color=_COLOUR, alpha=0.13, linewidth=0)

@@ -212,7 +212,7 @@ def test_depth_tolerance_is_the_sum_of_half_steps():
             "must be from 0.5 to 60 [%]",
         ),
         (without(depth=3.9), "depth = 3.9: must be from 20 to 160 [%]"),
-        (without(shape="Oval"), "shape = 'Oval': must be round: other shapes cannot be made yet"),
+        (without(shape="Oval"), "shape = 'Oval': must be round: this is for round brilliants"),
         (
             without(culet="tiny"),
             "culet = 'tiny': must be 0 or from 0.1 to 20 [% of the diameter], or one of none, very small, "

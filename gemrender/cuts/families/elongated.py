@@ -4,7 +4,8 @@ Sources of the defaults: F. Cuellar, "Classes of Cut" (diamondcuttersintl.com): 
 oval has a table of 53 to 60 %, a crown of 13.5 to 16.2 % at 34 to 35 deg and a pavilion of 42.5 to 43.6 % at
 39.25 to 40.75 deg. Diamond Screener, "Oval Cut Diamond Guide" (diamondscreener.com): depth 60 to 63 %, table
 56 to 60 %, as most that are offered. "Each has 58 facets; 4 to 8 of the pavilion's are mains": Lathiya Gems,
-"Pear" (lathiyagems.com). All of these are measured across the width, as reports do.
+"Pear" (lathiyagems.com). All of these are measured across the width, as reports do. The
+girdle is what makes stones weigh as their reports say (`scripts/weigh_reports.py`): thicker than of rounds.
 """
 
 from __future__ import annotations
@@ -79,7 +80,7 @@ class ElongatedBrilliant(Family):
         0.85, 1.2, default=1.05, unit="", why="bezels somewhat less flat at the ends"
     )
     crown_height: float = parameter(5.0, 30.0, default=14.5)
-    girdle_thickness: float = girdle_thickness(3.5)
+    girdle_thickness: float = girdle_thickness(4.5)
     pavilion_depth: float = parameter(25.0, 65.0, default=43.0)
     star: float = parameter(20.0, 80.0, default=50.0)
     lower_half: float = parameter(30.0, 95.0, default=75.0)

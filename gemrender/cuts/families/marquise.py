@@ -28,7 +28,9 @@ class Parameters(ElongatedBrilliant):
     wing : float
         How much further out the wings, the sides near the points, are than arcs of circles, half-way to the
         point [% of half the width]; less than 0 for flatter ones. GIA, "Girdle Outline": too flat they make
-        a stone look narrow, too rounded they make it look short and stubby.
+        a stone look narrow, too rounded they make it look short and stubby. The default is inferred: then a
+        marquise of 2 to 1 weighs the 0.0058 carat/mm^3 x length x width x depth of the trade's formula
+        (Esslinger, "Stone weight estimation formula", blog.esslinger.com, 2014) within 1 %.
     tips : {"bezel", "french"}
         Whether a bezel ends at each point, or it is left out (French tip): then stars and upper halves are
         extended and meet in a ridge to the point. "Sometimes cut with a French tip; this serves as a
@@ -42,7 +44,7 @@ class Parameters(ElongatedBrilliant):
     """
 
     length_to_width: float = parameter(1.2, 3.0, default=2.0, unit="")
-    wing: float = parameter(-8.0, 8.0, default=0.0, why="arcs of circles")
+    wing: float = parameter(-8.0, 8.0, default=2.0, why="what marquises weigh")
     tips: str = tips()
 
     @classmethod

@@ -11,8 +11,8 @@ pavilion facets, 49, 57 or 65 with the girdle's four: mgc-labs.ru, "Princess". T
 
 Inferred: how steep the chevrons between the two mains are, where the edge between the crown's rows lies, and
 that a rectangle is a stretched square. Defaults: within what diamondscreener.com's "Princess Cut Diamond
-Guide" finds best, by "ideal" stones of the American Gem Society (depth 71 to 75 %, table 68 to 72 %, crown height
-9.5 to 14 %, two or three chevrons).
+Guide" finds best, by "ideal" stones of the American Gem Society (depth 71 to 75 %, table 68 to 72 %, crown
+height 9.5 to 14 %, two or three chevrons).
 """
 
 from __future__ import annotations

@@ -1,11 +1,12 @@
 """The round brilliant: the paper's proportions, and a culet, painted and dug out girdle facets.
 
-Painting and digging out are as GIA has them ("Painting and digging out", Rapaport Diamond Report, June 2005,
-and the booklet "Estimating a cut grade", 2009): halves are painted where they lean towards the main beside
-them, so that the angle between the two is less and the girdle thicker where halves meet, and dug out where
-they lean towards each other. Here it is by how much the facet's azimuth is turned from that of the standard
-cut, 11.25 deg from its main, while it still passes through the main's girdle point and the star's tip, or
-the point where lower halves meet; turned towards the main is positive.
+Painting and digging out are as GIA has them (Rapaport Diamond Report, June 2005; quoted with drawings and
+measured girdles at goodoldgold.com/painting-digging-dug): halves are dug out where they lean towards each
+other, so that they are steeper, the angle to the main beside them is larger and the girdle thinner where
+halves meet, and painted where they lean towards the main. Reports say no more than how strongly (GIA
+Facetware). Here it is by how much the azimuth of a half is turned from that of the standard cut, 11.25 deg
+from its main, while it still passes through the main's girdle point and the star's tip, or the point where
+lower halves meet; turned towards the main is positive. Upper and lower halves have each their own.
 """
 
 from __future__ import annotations
@@ -31,8 +32,8 @@ __all__ = ["FAMILY", "MOST_PAINTING", "Parameters", "with_culet"]
 
 FAMILY = "round brilliant"
 
-#: Halves of the standard cut lie 11.25 deg beside their main, and as far beside each other. Turned by this
-#: they are still well apart [deg]; GIA finds stones "severely" painted or dug out at a few degrees.
+#: Halves of the standard cut lie 11.25 deg beside their main, and as far beside where they meet. Turned by so
+#: much they are still well apart from both [deg].
 MOST_PAINTING = 8.0
 
 _REFERENCE = "GIA's reference stone"

@@ -1,0 +1,155 @@
+"""The trilliant, or trillion: a brilliant on a triangle.
+
+How the facets lie, sourced: 25 crown facets, a table, 6 stars, 6 mains (rhombs and kites: three at the sides and
+three in the corners) and 12 upper halves, and with three mains 15 pavilion facets: mgc-labs.ru, "Trillion"
+(T-52, with 12 of the girdle); with six mains 18, and the culet: 25 and 19 (diamondsonweb.com, "Trillion cut
+diamond"). Sides bowed (trilliant) or straight, corners rounded or sharp: diamondshapes.net, "Trilliant";
+sides as arcs and rounded corners: github.com/vlad0007/polyhedron2, chapter 28. Inferred: where the girdle points
+between corners and middles lie. Defaults: depth 30 to 40 % (gsdiamonds.com, "Trillion").
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from gemrender.cuts.construction import Construction
+from gemrender.cuts.construction.brilliant import Girdle, add_crown, add_girdle, add_pavilion
+from gemrender.cuts.construction.triangle import Triangle
+from gemrender.cuts.families.family import Family
+from gemrender.cuts.families.parameters import Alternative, choice, girdle_thickness, parameter
+from gemrender.cuts.laboratory import ROUNDING
+
+__all__ = ["FAMILY", "Parameters"]
+
+FAMILY = "trilliant"
+
+_DEGREE = np.pi / 180
+#: Girdle points of pavilion mains by their number; the first girdle point is the corner at the length's end.
+_MAINS = {3: (2, 6, 10), 6: (0, 2, 4, 6, 8, 10)}
+
+
+def _outline(values: Mapping[str, Any]) -> Triangle:
+    return Triangle(bow=values["bow"] / 100.0, radius=values["corner"] / 100.0)
+
+
+def _table(values: Mapping[str, Any], outline: Triangle) -> tuple[Any, Any]:
+    """Distances of the table's corners from the axis: towards the corners, and towards the sides."""
+    corner = values["table"] / 100.0 * outline.width / np.sqrt(3.0)
+    return corner, corner * (0.5 + np.sqrt(0.75) * np.tan(values["star_azimuth"] * _DEGREE))
+
+
+def _crown_run(values: Mapping[str, Any]) -> Any:
+    """Level distance from the middle of a side to the table [% of the width]."""
+    outline = _outline(values)
+    return 100.0 * (outline.side - _table(values, outline)[1]) / outline.width
+
+
+def _pavilion_run(values: Mapping[str, Any]) -> Any:
+    """Level distance from the middle of a side to the axis, less the culet's share [% of the width]."""
+    outline = _outline(values)
+    return (100.0 - values["culet"]) * outline.side / outline.width
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Parameters(Family):
+    """A trilliant.
+
+    Parameters
+    ----------
+    length_to_width : float
+        Length of the outline, from a side to the corner opposite, over its width; 0 for three equal sides.
+    bow : float
+        Height of the sides' arcs over their chords [% of the chord].
+    corner : float
+        Radius of the rounded corners [% of the chord]; 0 for points.
+    table : float
+        Width of the table [% of the width].
+    star_azimuth : float
+        Angle by which the edges of the table are turned from the sides [deg].
+    crown_height, pavilion_depth : float
+        Heights of crown and pavilion [% of the width]; `crown_angle` and `pavilion_angle`, of the mains at the
+        middles of three equal sides [deg], stand for them.
+    girdle_thickness : float
+        Height of the girdle where the mains meet it [% of the width].
+    star, lower_half : float
+        Lengths of stars and lower halves, as of round brilliants [%].
+    culet : float
+        Size of the culet [% of what a pavilion cut there would be]; 0 for a point.
+    mains : {3, 6}
+        Number of pavilion mains: at the sides only, or in the corners too.
+
+    Raises
+    ------
+    InputError
+        A value out of range.
+    """
+
+    ALTERNATIVES: ClassVar[tuple[Alternative, ...]] = (
+        Alternative(
+            "crown_angle", "crown_height", 5.0, 70.0,
+            lambda angle, values: _crown_run(values) * np.tan(angle * _DEGREE),
+            lambda values: np.arctan(values["crown_height"] / _crown_run(values)) / _DEGREE,
+            ROUNDING["crown_angle"],
+        ),
+        Alternative(
+            "pavilion_angle", "pavilion_depth", 20.0, 70.0,
+            lambda angle, values: _pavilion_run(values) * np.tan(angle * _DEGREE),
+            lambda values: np.arctan(values["pavilion_depth"] / _pavilion_run(values)) / _DEGREE,
+            ROUNDING["pavilion_angle"],
+        ),
+    )  # fmt: skip
+
+    length_to_width: float = parameter(0.8, 1.1, default=0.0, unit="", or_zero=True, why="three equal sides")
+    bow: float = parameter(3.0, 12.0, default=8.0)
+    corner: float = parameter(1.0, 8.0, default=0.0, or_zero=True)
+    table: float = parameter(40.0, 75.0, default=58.0)
+    star_azimuth: float = parameter(3.0, 14.0, default=8.0, unit="deg", why="somewhat bowed, as the sides")
+    crown_height: float = parameter(4.0, 18.0, default=9.0)
+    girdle_thickness: float = girdle_thickness(3.0)
+    pavilion_depth: float = parameter(18.0, 45.0, default=29.0)
+    star: float = parameter(55.0, 85.0, default=68.0)
+    lower_half: float = parameter(30.0, 90.0, default=70.0)
+    culet: float = parameter(0.2, 10.0, default=0.0, or_zero=True)
+    mains: int = choice(3, 6, default=6)
+
+    @classmethod
+    def construct(cls, **values: Any) -> Construction:
+        """Return meet points and facets; complex values give complex points."""
+        outline = _outline(values)
+        width, length = outline.width, outline.length
+        given = values["length_to_width"]
+        stretch = given * width / length if np.real(given) > 0 else 1.0
+        longer = width if np.real(width) >= np.real(length * stretch) else length * stretch
+        axes = np.array([2.0, 2.0 * stretch]) / longer
+        centre = np.array([0.0, -0.5 * (outline.corner - outline.side)]) * axes
+        shape = outline.girdle()
+        girdle = Girdle(shape.points * axes + centre, shape.tangents * axes)
+        corner, side = _table(values, outline)
+        turns = 60.0 * _DEGREE * np.arange(6)
+        reach = np.where(np.arange(6) % 2 == 0, corner, side)
+        table = np.stack([-np.sin(turns), np.cos(turns)], axis=-1) * reach[:, None] * axes + centre
+        percent = 2.0 * width / longer / 100.0
+        stone = Construction()
+        upper = add_crown(
+            stone,
+            girdle,
+            table=table,
+            star=values["star"] / 100.0,
+            height=percent * values["crown_height"],
+            thickness=percent * values["girdle_thickness"],
+        )
+        lower = add_pavilion(
+            stone,
+            girdle,
+            depth=percent * values["pavilion_depth"],
+            lower_half=values["lower_half"] / 100.0,
+            culet=values["culet"] / 100.0,
+            mains=_MAINS[values["mains"]],
+            axis=tuple(centre),
+        )
+        add_girdle(stone, upper, lower, girdle)
+        return stone
