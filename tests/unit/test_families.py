@@ -97,7 +97,7 @@ def test_a_step_cut_scores(stone_of):
         ('family = "step"\ncrown_angles = 40', "cut.crown_angles = 40: must be a list of 1 to 12 numbers"),
         ('family = "step"\ncrown_angles = [40, "x"]', "cut.crown_angles = 'x': must be a number from "),
         ('family = "step"\ncrown_angles = [30, 40]', "cut.crown_angles = [30.0, 40.0]: must fall "),
-        ('family = "round brilliant"\ntable = 57', "cut.star: missing; needs star, "),
+        ('family = "round brilliant"\nculet = "tiny"', "cut.culet = 'tiny': must be 0 or from 0.1 to 20 "),
     ],
 )  # fmt: skip
 def test_what_makes_no_cut_is_told(stone_of, text, said):

@@ -5,10 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from gemrender.cuts.construction import Construction
 from gemrender.cuts.construction.outlines import pear
-from gemrender.cuts.families.elongated import ElongatedBrilliant, tips
+from gemrender.cuts.families.elongated import ElongatedBrilliant, shoulder_mark, tips, wing_marks
 from gemrender.cuts.families.parameters import parameter
+from gemrender.cuts.marks import Length, Mark, apex, usual_marks
 
 __all__ = ["FAMILY", "Parameters"]
 
@@ -63,3 +66,21 @@ class Parameters(ElongatedBrilliant):
             culet_at=belly + values["culet_to_point"] / 50.0,
             french=(0,) if values["tips"] == "french" else (),
         )
+
+    def marks(self) -> tuple[Mark, ...]:
+        """Return what its drawing says at arrows."""
+        made = self.construction()
+        width = 2.0 / self.length_to_width
+        edge = made.points.real[made.rings["girdle_upper"]]
+        end, belly = edge[edge[:, 1].argmin()], edge[edge[:, 0].argmax()]
+        head = Length(name="head", view="crown", start=end, end=belly, axis=1, whole=width, parameter="head")
+        marks = [*usual_marks(made, ends=("head", "point")), *wing_marks(made), head]
+        height = float(belly[1] - end[1])
+        marks.append(shoulder_mark(made, width / 2, height, belly=float(belly[1]), below=True))
+        if self.culet_to_point:
+            marks.append(
+                Length(name="culet from the belly", view="pavilion", start=belly * np.array([0.0, 1.0, 1.0]),
+                       end=apex(made), axis=1, whole=2.0, per="length", is_inside=True,
+                       parameter="culet_to_point")
+            )  # fmt: skip
+        return tuple(marks)
