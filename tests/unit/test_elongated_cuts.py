@@ -161,7 +161,8 @@ def test_an_oval_as_long_as_wide_is_a_round_brilliant():
         "girdle_thickness": 3.0,
     }
     round_planes = RoundBrilliant(**numbers, lower_girdle_contact=20.0).stone().solid.planes
-    cut = ovals.Parameters(length_to_width=1.0, table_elongation=1.0, lower_half=80.0, **numbers)
+    outline = {"length_to_width": 1.0, "shoulder": 0.0}
+    cut = ovals.Parameters(**outline, table_elongation=1.0, lower_half=80.0, **numbers)
     planes = cut.planes()[[kind != "girdle" for kind in cut.construction().kinds]]
     assert len(planes) == len(round_planes)
     assert np.abs(planes[:, None] - round_planes).max(axis=2).min(axis=1).max() <= ROUNDING
