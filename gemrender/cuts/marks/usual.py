@@ -74,6 +74,8 @@ class _Body:
         lower = on[PAVILION] & (on[GIRDLE] | on[CROWN])
         if is_round:
             upper, lower = (set(made.rings[f"girdle_{edge}"].tolist()) for edge in ("upper", "lower"))
+        if "upper_girdle" in made.kinds:  # of brilliants the places where the mains meet the girdle
+            upper, lower = upper & _points_of(made, "bezel"), lower & _points_of(made, "pavilion_main")
         return cls(
             points=points,
             low=low,
@@ -92,6 +94,16 @@ class _Body:
     @property
     def length(self) -> float:
         return float(self.high[1] - self.low[1])
+
+
+def _points_of(made: Construction, kind: str) -> set[int]:
+    """Return the points of all facets of a kind."""
+    return {
+        point
+        for other, corners in zip(made.kinds, made.corners, strict=True)
+        if other == kind
+        for point in corners
+    }
 
 
 def _facet(made: Construction, kind: str) -> np.ndarray:

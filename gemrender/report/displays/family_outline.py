@@ -88,7 +88,8 @@ def family_outline_figure(stone: Stone) -> Figure:
             axes = page.view(x[column], y[row] + _CAPTION, *size, scale=SCALE, centre=centre)
             draw_lines(axes, look_at(stone, projections[view]), PAPER)
             views[view].draw(axes)
-            page.caption(x[column] + inch[0] - wide[column] / 2, y[row] + 0.1, wide[column], _CAPTIONS[view])
+            words = "Side view" if stone.is_round and view == "width" else _CAPTIONS[view]
+            page.caption(x[column] + inch[0] - wide[column] / 2, y[row] + 0.1, wide[column], words)
     if stone.is_round:
         tables.draw_parameters(page.axes(x[1], y[1], _TABLE, high[1]))
         tables.draw_tiers(page.axes(x[1] + _TABLE + 0.4, y[1], _TABLE, high[1]))
