@@ -27,8 +27,9 @@ from gemrender.cuts.construction.brilliant import Girdle, brilliant
 from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.heights import CROWN_ANGLE, PAVILION_ANGLE
 from gemrender.cuts.families.parameters import Alternative, choice, girdle_thickness, parameter
+from gemrender.cuts.marks import Mark, Place, Share
 
-__all__ = ["ElongatedBrilliant", "tips"]
+__all__ = ["ElongatedBrilliant", "shoulder_mark", "tips", "wing_marks"]
 
 #: Girdle points of pavilion mains by their number; the first girdle point is an end of the length. With six
 #: the mains at both ends are left out ("to only 56 facets when the pavilion facets at the head and tail are
@@ -132,3 +133,38 @@ class ElongatedBrilliant(Family):
             axis=(0.0, culet_at),
             french=french,
         )
+
+
+def shoulder_mark(
+    made: Construction, half_width: float, height: float, *, belly: float = 0.0, below: bool = False
+) -> Mark:
+    """Return how far the left shoulder of a round end is beyond that of half an ellipse.
+
+    Parameters
+    ----------
+    made : Construction
+        The meet points.
+    half_width, height : float
+        Half the width, and the height of the end above the belly [stone's unit].
+    belly : float
+        Where the belly lies along the length.
+    below : bool
+        Whether the end is the one below the belly.
+    """
+    edge = made.points.real[made.rings["girdle_upper"]]
+    at = edge[len(edge) * (3 if below else 1) // 8]
+    middle = np.array([0.0, belly, at[2]])
+    way = np.sqrt(0.5) * np.array([-half_width, -height if below else height, 0.0])
+    return Share(name="shoulder", view="crown", start=middle, end=middle + way, at=at, is_beyond=True,
+                 parameter="shoulder")  # fmt: skip
+
+
+def wing_marks(made: Construction) -> tuple[Mark, ...]:
+    """Return the names of places of an outline whose upper end is a point: point, wing and belly."""
+    edge = made.points.real[made.rings["girdle_upper"]]
+    belly = edge[edge[:, 0].argmin()]
+    return (
+        Place(name="point", view="crown", at=edge[0]),
+        Place(name="wing", view="crown", at=edge[len(edge) * 3 // 32], parameter="wing"),
+        Place(name="belly", view="crown", at=belly),
+    )

@@ -7,8 +7,9 @@ from typing import Any
 
 from gemrender.cuts.construction import Construction
 from gemrender.cuts.construction.outlines import ellipse
-from gemrender.cuts.families.elongated import ElongatedBrilliant
+from gemrender.cuts.families.elongated import ElongatedBrilliant, shoulder_mark
 from gemrender.cuts.families.parameters import parameter
+from gemrender.cuts.marks import Mark, usual_marks
 
 __all__ = ["FAMILY", "Parameters"]
 
@@ -45,3 +46,8 @@ class Parameters(ElongatedBrilliant):
         """Return meet points and facets; complex values give complex points."""
         girdle = ellipse(1.0 / values["length_to_width"], shoulder=values["shoulder"] / 100.0)
         return cls.on_outline(girdle, values)
+
+    def marks(self) -> tuple[Mark, ...]:
+        """Return what its drawing says at arrows."""
+        made = self.construction()
+        return (*usual_marks(made), shoulder_mark(made, 1.0 / self.length_to_width, 1.0))
