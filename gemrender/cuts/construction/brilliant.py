@@ -193,7 +193,7 @@ def add_pavilion(
     steps = np.diff([*mains, mains[0] + count])
     centre = np.array(axis)
     # Mains meet in one point, below the culet where there is one.
-    apex = points_at(centre, top - depth / (1.0 - culet))
+    apex = points_at(centre, top - depth / (1.0 - culet * _widths(girdle, mains)))
     foot = points_at(feet[mains], top)
     planes = plane_through(foot, foot + points_at(girdle.tangents[mains], 0.0), apex)
     after = np.roll(planes, -1, axis=0)
@@ -265,6 +265,20 @@ def _risen(edge: np.ndarray, halves: np.ndarray) -> np.ndarray:
     """Return a girdle's edge (2n, pieces, 3) with the points between girdle points on the halves (2n, 4)."""
     between = points_at(edge[:, 1:, :2], height_of(halves[:, None], edge[:, 1:, :2]))
     return np.concatenate([edge[:, :1], between], axis=1)
+
+
+def _widths(girdle: Girdle, mains: Sequence[int]) -> Any:
+    """Return the width of the outline over that of the mains' level section at the girdle."""
+    feet, along = girdle.feet[mains], girdle.tangents[mains]
+    lines = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    offsets = (lines * feet).sum(axis=1)
+    pairs = np.stack([lines, np.roll(lines, -1, axis=0)], axis=1)
+    both = np.stack([offsets, np.roll(offsets, -1)], axis=1)
+    x = np.linalg.solve(pairs, both[..., None])[:, 0, 0]
+    across = girdle.feet[:, 0]
+    return (across[across.real.argmax()] - across[across.real.argmin()]) / (
+        x[x.real.argmax()] - x[x.real.argmin()]
+    )
 
 
 def _share(contacts: np.ndarray, apex: np.ndarray, height: Any) -> np.ndarray:

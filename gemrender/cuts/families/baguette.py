@@ -10,6 +10,7 @@ from gemrender.cuts.construction.steps import profile, step_cut, trapezoid
 from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.heights import CROWN_ANGLE, PAVILION_ANGLE
 from gemrender.cuts.families.parameters import Alternative, choice, girdle_thickness, parameter
+from gemrender.cuts.marks import Length, Mark, step_marks, usual_marks
 
 __all__ = ["FAMILY", "Parameters"]
 
@@ -81,3 +82,14 @@ class Parameters(Family):
                 plan.reach,
             ),
         )
+
+    def marks(self) -> tuple[Mark, ...]:
+        """Return what its drawing says at arrows; its narrow end is at -y."""
+        made = self.construction()
+        without = [f"{part} angle at the ends" for part in ("crown", "pavilion")]
+        edge = made.points.real[made.rings["pavilion_0"]]
+        narrow = edge[edge[:, 1] < 0]
+        start, end = narrow[narrow[:, 0].argsort()]
+        taper = Length(name="narrow end", view="pavilion", start=start, end=end, axis=0,
+                       whole=2.0 / self.length_to_width, parameter="taper")  # fmt: skip
+        return (*usual_marks(made, without=without), *step_marks(made), taper)

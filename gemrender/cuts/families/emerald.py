@@ -10,6 +10,7 @@ from gemrender.cuts.construction.steps import profile, rectangle, step_cut
 from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.heights import CROWN_ANGLE, PAVILION_ANGLE
 from gemrender.cuts.families.parameters import Alternative, choice, girdle_thickness, parameter
+from gemrender.cuts.marks import Mark, corner_mark, step_marks, usual_marks
 
 __all__ = ["FAMILY", "Parameters"]
 
@@ -80,3 +81,9 @@ class Parameters(Family):
                 percent * values["pavilion_bulge"],
             ),
         )
+
+    def marks(self) -> tuple[Mark, ...]:
+        """Return what its drawing says at arrows; the ends are as steep as the sides, and have the steps."""
+        made = self.construction()
+        without = ("crown angle at the ends", "pavilion angle at the ends")
+        return (*usual_marks(made, without=without), *step_marks(made), corner_mark(made))

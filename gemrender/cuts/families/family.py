@@ -11,8 +11,8 @@ import numpy as np
 from gemrender.cuts.construction import Construction
 from gemrender.cuts.construction.meet_points import GEAR
 from gemrender.cuts.design import Design, Tier
-from gemrender.cuts.families.marks import Mark, usual_marks
 from gemrender.cuts.families.parameters import Alternative, check_parameters
+from gemrender.cuts.marks import Mark, usual_marks
 from gemrender.stone import ConvexSolid, Facet, Stone
 
 __all__ = ["Family"]

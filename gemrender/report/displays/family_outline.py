@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gemrender.cuts.families.family import Family
-from gemrender.cuts.families.marks import VIEWS
 from gemrender.cuts.families.parameters import unit_of
+from gemrender.cuts.marks import VIEWS
 from gemrender.report.displays.marks import MarkedView
 from gemrender.report.displays.outline import draw_tiers
 from gemrender.report.displays.page import PAPER, Page, draw_lines, stone_extent
@@ -88,7 +88,8 @@ def family_outline_figure(stone: Stone) -> Figure:
             axes = page.view(x[column], y[row] + _CAPTION, *size, scale=SCALE, centre=centre)
             draw_lines(axes, look_at(stone, projections[view]), PAPER)
             views[view].draw(axes)
-            page.caption(x[column] + inch[0] - wide[column] / 2, y[row] + 0.1, wide[column], _CAPTIONS[view])
+            words = "Side view" if stone.is_round and view == "width" else _CAPTIONS[view]
+            page.caption(x[column] + inch[0] - wide[column] / 2, y[row] + 0.1, wide[column], words)
     if stone.is_round:
         tables.draw_parameters(page.axes(x[1], y[1], _TABLE, high[1]))
         tables.draw_tiers(page.axes(x[1] + _TABLE + 0.4, y[1], _TABLE, high[1]))
@@ -134,12 +135,12 @@ class _Tables:
     @property
     def stacked(self) -> float:
         """Height of both tables, one above the other [inch]."""
-        return self.parameters + 0.75 + _TIER * len(self._tiers)
+        return self.parameters + 1.15 + _TIER * len(self._tiers)
 
     @property
     def side_by_side(self) -> float:
         """Height of both tables, side by side [inch]."""
-        return max(self.parameters, 0.75 + _TIER * len(self._tiers))
+        return max(self.parameters, 1.15 + _TIER * len(self._tiers))
 
     def draw_parameters(self, axes: Axes) -> None:
         width, height = axes.get_xlim()[1], axes.get_ylim()[1]
