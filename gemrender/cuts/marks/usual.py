@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from gemrender.cuts.construction import Construction
-from gemrender.cuts.marks.kinds import Length, Mark, Share, slope
+from gemrender.cuts.marks.kinds import Length, Mark, Share, Tilt, slope
 from gemrender.stone.facets import CROWN, GIRDLE, PAVILION, side_of
 
-__all__ = ["apex", "usual_marks"]
+__all__ = ["apex", "tilt", "usual_marks"]
 
 #: Points whose heights, or distances from the outline's box, differ by less are in one place: rounding.
 _SAME = 1e-9
@@ -21,6 +22,26 @@ def apex(made: Construction) -> np.ndarray:
     """Return where the pavilion mains of a brilliant meet, (3,): the culet, or below it."""
     mains = made.planes.real[[kind == "pavilion_main" for kind in made.kinds]]
     return np.asarray(np.linalg.lstsq(mains[:, :3], mains[:, 3], rcond=None)[0])
+
+
+def tilt(
+    made: Construction,
+    kind: str,
+    name: str,
+    view: str,
+    *,
+    towards: Sequence[float] = (-1.0, 0.5),
+    **more: Any,
+) -> Tilt:
+    """Return the angle of the facet of a kind that lies furthest towards a direction (x, y)."""
+    points = made.points.real
+    middles = {
+        number: points[list(ring)].mean(axis=0)
+        for number, ring in enumerate(made.corners)
+        if made.kinds[number] == kind
+    }
+    facet = max(middles, key=lambda number: float(middles[number][:2] @ towards))
+    return Tilt(name=name, view=view, at=middles[facet], normal=made.planes.real[facet, :3], **more)
 
 
 def usual_marks(
@@ -75,7 +96,8 @@ class _Body:
         if is_round:
             upper, lower = (set(made.rings[f"girdle_{edge}"].tolist()) for edge in ("upper", "lower"))
         if "upper_girdle" in made.kinds:  # of brilliants the places where the mains meet the girdle
-            upper, lower = upper & _points_of(made, "bezel"), lower & _points_of(made, "pavilion_main")
+            upper = upper & _points_of(made, "bezel")
+            lower = lower & _points_of(made, "pavilion_main") or lower
         return cls(
             points=points,
             low=low,
