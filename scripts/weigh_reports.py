@@ -38,7 +38,7 @@ from gemrender.cuts.families import families
 from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.stated import from_values
 from gemrender.cuts.laboratory import read_report
-from gemrender.cuts.size import read_size
+from gemrender.cuts.measurements import read_size
 from gemrender.optics import load_material
 
 ROWS = Path(__file__).with_name("reports.csv")

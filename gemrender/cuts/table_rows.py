@@ -92,7 +92,7 @@ class TableRow:
         sizes: dict[str, Any] = {}
         for key, cell in self._others.items():
             value = _other(key, cell, self._dialect)
-            if value is None:
+            if value is None or not _may_be(shape.kind, key, value):
                 continue
             (sizes if key in SIZE_KEYS else self.values)[key] = value
             self.used.add(key)
@@ -135,6 +135,13 @@ class TableRow:
 
 
 # ---- Cells ---------------------------------------------------------------------------------------------
+
+
+def _may_be(kind: Any, key: str, value: str | float) -> bool:
+    """Whether a word may be meant for a choice of a family: lists have columns such as Style of their own."""
+    part = getattr(kind, "__dataclass_fields__", {}).get(key)
+    words = part.metadata.get("allowed", ()) if part is not None else ()
+    return key in SIZE_ALIASES or not isinstance(value, str) or value.strip().casefold() in words
 
 
 def _other(key: str, cell: str, dialect: Dialect) -> str | float | None:

@@ -5,7 +5,9 @@ brilliant* has a round brilliant's facets; in the *cushion modified brilliant*, 
 (petragems.com/cushion-brilliant-vs-cushion-modified-, 98 %), an extra row of facets goes round the pavilion
 below the girdle, and mains and lower halves end at that row. How wide and steep it is no report says. Here it
 has a facet below each half and keeps its width and depth all round, so that a smaller brilliant's pavilion
-stands within it; this is the simplest of many patterns, and the values are inferred.
+stands within it; this is the simplest of many patterns, and its width and depth are inferred. Ten cushions
+of a public list (huggingface.co/datasets/debadas/diamonds) are 64 to 71 % deep, as the default is, and on
+average 6 % heavier than stones of their measurements that are made so, with a scatter of 4 %.
 """
 
 from __future__ import annotations
@@ -75,17 +77,17 @@ class Parameters(Family):
 
     style: str = choice(_MODIFIED, _BRILLIANT, default=_MODIFIED, why="the commonest")
     length_to_width: float = parameter(1.0, 1.5, default=1.05, unit="")
-    bulge: float = parameter(2.0, 15.0, default=6.0, why="a pillow, neither round nor square")
-    corner_radius: float = parameter(10.0, 40.0, default=25.0, why="a pillow, neither round nor square")
+    bulge: float = parameter(2.0, 15.0, default=5.0, why="a pillow, neither round nor square")
+    corner_radius: float = parameter(10.0, 40.0, default=20.0, why="a pillow, neither round nor square")
     table: float = parameter(40.0, 72.0, default=60.0)
     table_corner: float = parameter(85.0, 100.0, default=92.0, why="stars about alike all round")
     crown_height: float = parameter(5.0, 30.0, default=13.0)
-    girdle_thickness: float = girdle_thickness(3.5)
-    pavilion_depth: float = parameter(30.0, 70.0, default=49.0)
+    girdle_thickness: float = girdle_thickness(4.5)
+    pavilion_depth: float = parameter(30.0, 70.0, default=52.0)
     star: float = parameter(30.0, 75.0, default=50.0)
     lower_half: float = parameter(40.0, 90.0, default=75.0)
-    row_width: float = parameter(5.0, 20.0, default=12.0, why="no report says it")
-    row_depth: float = parameter(15.0, 40.0, default=24.0, why="no report says it")
+    row_width: float = parameter(5.0, 20.0, default=8.0, why="no report says it")
+    row_depth: float = parameter(15.0, 40.0, default=26.0, why="no report says it")
     culet: float = parameter(*CULET_RANGE, default=0.0, or_zero=True, words=read_culet)
 
     @classmethod

@@ -48,7 +48,7 @@ class Parameters(round_brilliant.Parameters):
     """
 
     table: float = parameter(*RANGES["table"], default=48.0, why=_GIA)
-    crown_height: float = parameter(*RANGES["crown_height"], default=21.8, why=f"40 deg, {_GIA}")
+    crown_height: float = parameter(*RANGES["crown_height"], default=22.0, why=f"40 deg, {_GIA}")
     girdle_thickness: float = girdle_thickness(2.0, *RANGES["girdle_thickness"])
     pavilion_depth: float = parameter(*RANGES["pavilion_depth"], default=40.6, why="41 deg")
     star: float = parameter(*RANGES["star"], default=45.0, why="short as those of old cuts")
