@@ -187,7 +187,8 @@ class Parameters(Family):
     def marks(self) -> tuple[Mark, ...]:
         """Return what its drawing says at arrows, of the side at -y and the corner at +y.
 
-        Angles and bow are parameters where the three sides are equal; else they are only measured.
+        How far table and sides are bowed are parameters where the three sides are equal; else it is only
+        measured, or named.
         """
         made = self.construction()
         points, rings = made.points.real, made.rings
@@ -199,7 +200,7 @@ class Parameters(Family):
             *usual_marks(made, ends=("side", "corner"), without=[*without, "culet"]),
             Place(name="corner", view="crown", at=corner, parameter="corner"),
             *(tilt(made, kind, f"{view} angle", view, towards=(0.0, -1.0),
-                   parameter=f"{view}_angle" if is_equal else "")
+                   parameter=f"{view}_angle")
               for kind, view in (("bezel", "crown"), ("pavilion_main", "pavilion"))),
             Angle(name="star azimuth", view="crown", corner=table[3],
                   start=table[3] - np.array([1.0, 0.0, 0.0]), end=table[2],

@@ -110,12 +110,18 @@ class _Body:
         )
 
     @property
-    def width(self) -> float:
-        return float(self.high[0] - self.low[0])
+    def sides(self) -> np.ndarray:
+        """(2,): the sides of the outline's box, along x and y."""
+        return np.asarray((self.high - self.low)[:2])
 
     @property
-    def length(self) -> float:
-        return float(self.high[1] - self.low[1])
+    def across(self) -> int:
+        """The axis of the width, the shorter side: 0 for x, 1 for y."""
+        return int(self.sides[0] > self.sides[1] + _SAME)
+
+    @property
+    def width(self) -> float:
+        return float(self.sides.min())
 
 
 def _points_of(made: Construction, kind: str) -> set[int]:
@@ -155,27 +161,25 @@ def _outline(body: _Body, is_round: bool) -> list[Mark]:
             Length(name="diameter", view="crown", start=ends[0], end=ends[1], axis=0, whole=body.width)
         )
     else:
-        for axis, name, more in (
-            (0, "width", {}),
-            (1, "length-to-width", {"parameter": "length_to_width", "is_ratio": True}),
-        ):
-            first, last = _outermost(body.points, axis, (1, -1) if axis == 0 else (0, 1))
-            marks.append(
-                Length(name=name, view="crown", start=first, end=last, axis=axis, whole=body.width, **more)  # type: ignore[arg-type]
-            )
+        first, last = _outermost(body.points, 0, (1, -1))
+        name = "width" if body.across == 0 else "side"
+        marks.append(Length(name=name, view="crown", start=first, end=last, axis=0, whole=body.width))
+        first, last = _outermost(body.points, 1, (0, 1))
+        marks.append(
+            Length(name="length-to-width", view="crown", start=first, end=last, axis=1,
+                   whole=float(body.sides[0]), is_ratio=True, parameter="length_to_width")
+        )  # fmt: skip
     if len(body.table):
-        first, last = _outermost(body.table, 0, (1, 1))
-        words = "table" if is_round else "table width"
-        marks.append(
-            Length(name=words, view="crown", start=first, end=last, axis=0, whole=body.width,
-                   parameter="table")
-        )  # fmt: skip
-    if len(body.table) and not is_round:
-        first, last = _outermost(body.table, 1, (0, 1))
-        marks.append(
-            Length(name="table length", view="crown", start=first, end=last, axis=1, whole=body.length,
-                   per="length", parameter="table_length")
-        )  # fmt: skip
+        for axis in (0,) if is_round else (0, 1):
+            first, last = _outermost(body.table, axis, (1 - axis, 1))
+            is_width = axis == body.across
+            words = "table" if is_round else f"table {'width' if is_width else 'length'}"
+            marks.append(
+                Length(name=words, view="crown", start=first, end=last, axis=axis,
+                       whole=body.width if is_width else float(body.sides.max()),
+                       per="width" if is_width else "length",
+                       parameter="table" if is_width else "table_length")
+            )  # fmt: skip
     return marks
 
 
