@@ -26,6 +26,7 @@ from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.heights import CROWN_ANGLE, PAVILION_ANGLE
 from gemrender.cuts.families.parameters import Alternative, choice, girdle_thickness, parameter
 from gemrender.cuts.girdle_words import CULET_RANGE, read_culet
+from gemrender.cuts.marks import Mark, Place, Share, usual_marks
 
 __all__ = ["FAMILY", "Parameters"]
 
@@ -125,6 +126,30 @@ class Parameters(Family):
             lower = _add_row(stone, girdle, inner.feet, -fall, end[:, 0])
         add_girdle(stone, upper, lower, girdle)
         return stone
+
+    def marks(self) -> tuple[Mark, ...]:
+        """Return what its drawing says at arrows."""
+        made = self.construction()
+        points, rings = made.points.real, made.rings
+        edge = points[rings["girdle_upper"]].reshape(16, -1, 3)
+        corner, middle = points[rings["table"]][1], np.array([0.0, 0.0, 1.0])
+        like_outline = edge[2, 0] * self.table / 100.0
+        marks = [
+            *usual_marks(made),
+            Place(name="bowed side", view="crown", at=edge[4, 0], parameter="bulge"),
+            Place(name="round corner", view="crown", at=edge[2, 0], parameter="corner_radius"),
+            Share(name="table corner", view="crown", start=middle * corner, end=like_outline, at=corner,
+                  parameter="table_corner"),
+        ]  # fmt: skip
+        if "row" in rings:
+            row, foot = points[rings["row"]][4], points[rings["girdle_lower"]].reshape(16, -1, 3)[4, 0]
+            top, bottom = row * [1.0, 1.0, 0.0], np.array([row[0], row[1], points[:, 2].min()])
+            marks += [
+                Share(name="row width", view="pavilion", start=foot, end=middle * foot, at=row,
+                      parameter="row_width"),
+                Share(name="row depth", view="width", start=top, end=bottom, at=row, parameter="row_depth"),
+            ]  # fmt: skip
+        return tuple(marks)
 
 
 def _add_row(
