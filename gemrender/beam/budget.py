@@ -11,7 +11,7 @@ import numpy as np
 
 from gemrender.errors import InputError
 
-__all__ = ["MEMORY_RANGE", "TIME_RANGE", "Budget", "check_limits", "no_limits"]
+__all__ = ["MEMORY_RANGE", "PAUSED", "TIME_RANGE", "Budget", "check_limits", "no_limits"]
 
 #: Allowed ranges of the limits [s], [GiB].
 TIME_RANGE = (0.1, 86_400.0)
@@ -57,11 +57,49 @@ def check_limits(time_limit: float, memory_limit: float) -> tuple[float, float]:
     return float(time_limit), float(memory_limit)
 
 
+class _Paused:
+    """Time in which kernels were compiled, which happens once: it is no score's."""
+
+    def __init__(self) -> None:
+        self._total, self._depth = (0.0, 0.0), 0
+        self._since = (0.0, 0.0)
+
+    @contextmanager
+    def compiling(self) -> Iterator[None]:
+        """Let the time that passes within count for no budget; may be nested, in one thread."""
+        if not self._depth:
+            self._since = _now()
+        self._depth += 1
+        try:
+            yield
+        finally:
+            if self._depth == 1:  # first the sum: who asks in between is told too much, not too little
+                self._total = self.total
+            self._depth -= 1
+
+    @property
+    def total(self) -> tuple[float, float]:
+        """So much it was up to now, by the clock and of the processors [s]."""
+        if not self._depth:
+            return self._total
+        sums = (a + now - since for a, now, since in zip(self._total, _now(), self._since, strict=True))
+        wall, processors = sums
+        return wall, processors
+
+
+def _now() -> tuple[float, float]:
+    return time.perf_counter(), time.process_time()
+
+
+PAUSED = _Paused()
+
+
 class Budget:
     """The time and memory that one exact score may take, running from when it is made.
 
     Time that other programs take does not count: of the time that has passed and the processors' time that
-    this process has used the smaller one does. So a score is the same on a busy machine.
+    this process has used the smaller one does. So a score is the same on a busy machine. Nor does the time
+    that kernels are compiled in.
 
     Parameters
     ----------
@@ -89,7 +127,8 @@ class Budget:
 
     @staticmethod
     def _now() -> tuple[float, float]:
-        return time.perf_counter(), time.process_time()
+        wall, processors = (now - paused for now, paused in zip(_now(), PAUSED.total, strict=True))
+        return wall, processors
 
     @property
     def seconds(self) -> float:

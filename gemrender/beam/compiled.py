@@ -21,6 +21,7 @@ from numba.core import config, types
 from numba.core.codegen import get_host_cpu_features
 from numba.extending import intrinsic, overload
 
+from gemrender.beam.budget import PAUSED
 from gemrender.beam.cache import KernelCache
 
 __all__ = ["STEP", "bits", "jit", "jit_fast", "jit_inner", "jit_with_arrays", "real", "root"]
@@ -81,7 +82,7 @@ def _compile(function: Callable[..., Any], **more: Any) -> Any:
     compiles = kernel._compile_for_args
 
     def one_at_a_time(*arguments: Any, **keywords: Any) -> Any:
-        with _COMPILING:
+        with _COMPILING, PAUSED.compiling():
             return compiles(*arguments, **keywords)
 
     kernel._compile_for_args = one_at_a_time

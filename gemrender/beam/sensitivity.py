@@ -12,11 +12,13 @@ from collections.abc import Callable
 from typing import Unpack
 
 from gemrender.beam.budget import Budget
+from gemrender.beam.by_parameters import by_parameters
 from gemrender.beam.by_proportions import PROPORTIONS, by_proportions, proportion_planes
 from gemrender.beam.by_tiers import by_tiers, tier_planes
 from gemrender.beam.derivatives import Derivative, Sensitivity, facet_totals
 from gemrender.beam.measure import check_bound
 from gemrender.cuts.design import Design
+from gemrender.cuts.families.family import Family
 from gemrender.errors import InputError
 from gemrender.observation import Model, View
 from gemrender.request import ShortForms, resolve
@@ -38,17 +40,17 @@ TIME_LIMIT, MEMORY_LIMIT = 30.0, 1.0
 
 
 def check_differentiable(stone: Stone) -> None:
-    """Refuse a stone that was neither made from proportions nor from a design.
+    """Refuse a stone that was neither made from proportions, nor of a family, nor from a design.
 
     Raises
     ------
     InputError
         It has none to differentiate by.
     """
-    if stone.proportions is None and not isinstance(stone.cut, Design):
+    if stone.proportions is None and not isinstance(stone.cut, Design | Family):
         raise InputError(
-            "has no proportions to differentiate by: it must be made from [proportions], [angles] "
-            "or [report], or be a design of tiers",
+            "has no proportions to differentiate by: it must be made from [proportions], [angles], "
+            "[report] or [cut], or be a design of tiers",
             source=stone.source or stone.name,
         )
 
@@ -67,7 +69,8 @@ def sensitivity(
 ) -> Sensitivity:
     """Differentiate a stone's Average and Rear by each of its proportions and angles, or of its tiers'.
 
-    A faceter's design is differentiated by the angle and the distance of each tier.
+    A faceter's design is differentiated by the angle and the distance of each tier, the cut of a family by
+    each of its parameters, and by the angles that stand for heights.
 
     Where a whole virtual facet reaches the critical angle the scores jump; between such places the derivative
     is that of the scores.
@@ -75,7 +78,7 @@ def sensitivity(
     Parameters
     ----------
     stone : Stone
-        A stone made from proportions or angles, or from a design.
+        A stone made from proportions or angles, from the parameters of a family, or from a design.
     view, model
         As for `measure`.
     seed : int
@@ -93,7 +96,7 @@ def sensitivity(
     Raises
     ------
     InputError
-        The stone was made from neither, the bound or a limit is out of range, or the stone falls into
+        The stone was made from none of them, the bound or a limit is out of range, or the stone falls into
         more virtual facets than can be differentiated within the limits.
     """
     start = time.perf_counter()
@@ -103,4 +106,6 @@ def sensitivity(
     whole = Budget(time_limit, memory_limit)
     if isinstance(stone.cut, Design):
         return by_tiers(stone, stone.cut, view, model, whole, progress, start)
+    if isinstance(stone.cut, Family):
+        return by_parameters(stone, stone.cut, view, model, wanted, seed, whole, progress, start)
     return by_proportions(stone, view, model, wanted, seed, whole, progress, start)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -21,9 +21,10 @@ from gemrender.cli.options import (
 )
 from gemrender.cli.output import print_records, progress_bar
 from gemrender.cli.stones import load
-from gemrender.cli.values import whole_option
+from gemrender.cli.values import complete_words, whole_option
 from gemrender.engines import DEFAULT_RESOLUTION, DEFAULT_VARIANT
 from gemrender.errors import InputError
+from gemrender.reading import did_you_mean
 
 if TYPE_CHECKING:
     from gemrender.stone import Stone
@@ -32,6 +33,10 @@ __all__ = ["crosscheck"]
 
 #: Most random stones of a cross-check: days of work.
 _MOST_RANDOM = 100_000
+
+
+def _families() -> list[str]:
+    return ["all", *_kinds("all")]
 
 
 @command
@@ -44,6 +49,15 @@ def crosscheck(
     random: Annotated[
         int, whole_option("--random", "Random stones to check besides.", low=0, high=_MOST_RANDOM)
     ] = 0,
+    family: Annotated[
+        str,
+        typer.Option(
+            "--family",
+            metavar="NAME",
+            help="What the random stones are of: a family of cuts, or all of them.",
+            autocompletion=complete_words(_families),
+        ),
+    ] = "",
     seed: Annotated[int, whole_option("--seed", "Seed of the random stones.", low=0)] = 1,
     variant: Variant = DEFAULT_VARIANT,
     resolution: Resolution = DEFAULT_RESOLUTION,
@@ -57,7 +71,7 @@ def crosscheck(
     form = table.chosen
     options = trace_options(EngineOptions(variant=variant, resolution=resolution), model, view)
     named = load(stones or [], options, material=of.material)
-    loaded = [*named.stones, *_random_stones(random, seed)]
+    loaded = [*named.stones, *_random_stones(random, seed, family)]
     if not loaded:
         raise InputError("missing: name stones, or ask for some by --random", key="STONE")
     ensure_variant(variant)
@@ -82,17 +96,35 @@ def crosscheck(
         raise typer.Exit(1)
 
 
-def _random_stones(number: int, seed: int) -> list[Stone]:
+def _random_stones(number: int, seed: int, family: str) -> list[Stone]:
+    """Draw so many round brilliants with the proportions of what is sold, or members of families."""
     import numpy as np
 
-    from gemrender.cuts.random import random_brilliant
-    from gemrender.stone import Stone
+    from gemrender.cuts.random import random_brilliant, random_member
 
     rng = np.random.default_rng(seed)
+    kinds = _kinds(family) if family else {"": None}
     stones = []
-    with progress_bar(number) as step:
-        for i in range(number):
-            name = f"random {seed}.{i + 1}"
-            stones.append(Stone.from_proportions(random_brilliant(rng), name=name))
-            step(i, "drawing")(1.0)
+    with progress_bar(number * len(kinds)) as step:
+        for name, kind in kinds.items():
+            for i in range(number):
+                cut = random_brilliant(rng) if kind is None else random_member(kind, rng)
+                stones.append(cut.stone(name=f"random {name} {seed}.{i + 1}".replace("  ", " ")))
+                step(len(stones) - 1, "drawing")(1.0)
     return stones
+
+
+def _kinds(name: str) -> dict[str, Any]:
+    """Return the families that can be drawn from, by name: one of them, or all."""
+    from gemrender.cuts.families import families
+    from gemrender.cuts.families.family import Family
+
+    known = {own: kind for own, kind in families().items() if issubclass(kind, Family)}
+    if name == "all":
+        return known
+    if name not in known:
+        allowed = ["all", *known]
+        raise InputError(
+            f"must be one of {', '.join(allowed)}{did_you_mean(name, allowed)}", key="--family", value=name
+        )
+    return {name: known[name]}

@@ -19,14 +19,15 @@ def inspect(
     of: MaterialOptions,
     table: TableOptions,
     size: Annotated[
-        float,
+        float | None,
         number_option(
             "--size",
             "millimetres",
-            "Longer side of the outline, or the diameter of a round stone, for its weight.",
+            "Longer side of the outline, or the diameter of a round stone, for its weight; by default what "
+            "its file says, else 6.5.",
             metavar="MM",
         ),
-    ] = 6.5,
+    ] = None,
 ) -> None:
     """Tell what stones are: facets by tier, proportions, symmetry, volume, weight, what was mended."""
     from gemrender.report.inspection import (
@@ -38,7 +39,8 @@ def inspect(
     )
 
     form = table.chosen
-    check_size(size)
+    if size is not None:
+        check_size(size)
     loaded = load(stones, trace_options(), material=of.material)
     found = [inspect_stone(stone, size_mm=size) for stone in loaded.stones]
     print_records(

@@ -30,6 +30,7 @@ from gemrender.cli.sensitivity import sensitivity
 from gemrender.cli.show import show
 from gemrender.cli.symmetry import symmetry
 from gemrender.cli.tilt import tilt
+from gemrender.cli.tolerance import tolerance
 from gemrender.cli.values import OptionError, listed
 from gemrender.errors import GemrenderError, GemrenderWarning, InputError
 from gemrender.interruption import interrupted_by_signals
@@ -60,8 +61,8 @@ app = typer.Typer(
 )
 
 for _command in (
-    score, compare, sensitivity, show, report, render, symmetry, tilt, crosscheck, scene, convert, inspect,
-    stones, setups, materials, measures, doctor,
+    score, compare, sensitivity, show, report, render, symmetry, tilt, tolerance, crosscheck, scene, convert,
+    inspect, stones, setups, materials, measures, doctor,
 ):  # fmt: skip
     app.command()(_command)
 

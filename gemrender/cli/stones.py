@@ -20,9 +20,9 @@ __all__ = ["LoadedStones", "StoneOptions", "assumptions", "load"]
 
 
 def _complete_setting(incomplete: str) -> list[str]:
-    from gemrender.cuts.variations import SETTINGS
+    from gemrender.cuts.variations import all_settings
 
-    return [f"{key}=" for key in SETTINGS if key.startswith(incomplete)]
+    return [f"{key}=" for key in all_settings() if key.startswith(incomplete)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,8 +43,10 @@ class StoneOptions:
 
 
 def assumptions(source: str, stone: Stone) -> list[str]:
-    """Return what was assumed of a stone, as its file left it out; a line each."""
-    return [f"{source}: taken: {words}" for words in stone.assumed]
+    """Return what was assumed of a stone, as its file left it out, in lines."""
+    from gemrender.cuts.stones import taken_lines
+
+    return [f"{source}: taken: {words}" for words in taken_lines(stone.assumed)]
 
 
 class LoadedStones:

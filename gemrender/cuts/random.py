@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+from typing import Any
+
 import numpy as np
 
+from gemrender.cuts.families.family import Family
 from gemrender.cuts.round_brilliant.proportions import RoundBrilliant
+from gemrender.errors import InputError
 
-__all__ = ["SPREAD", "random_brilliant"]
+__all__ = ["SPREAD", "random_brilliant", "random_member"]
 
 #: Ranges of the proportions [%]: what is cut and sold, and somewhat beyond.
 SPREAD: dict[str, tuple[float, float]] = {
@@ -22,3 +27,22 @@ SPREAD: dict[str, tuple[float, float]] = {
 def random_brilliant(rng: np.random.Generator) -> RoundBrilliant:
     """Draw proportions uniformly from `SPREAD`, each by itself."""
     return RoundBrilliant(**{key: float(rng.uniform(low, high)) for key, (low, high) in SPREAD.items()})
+
+
+def random_member(kind: type[Family], rng: np.random.Generator) -> Family:
+    """Draw the parameters of a family uniformly from their ranges, again where they make no stone."""
+    while True:
+        values: dict[str, Any] = {}
+        for part in fields(kind):  # type: ignore[arg-type]
+            if "allowed" in part.metadata:
+                values[part.name] = part.metadata["allowed"][rng.integers(len(part.metadata["allowed"]))]
+            else:
+                values[part.name] = float(rng.uniform(*part.metadata["range"]))
+                if part.metadata["or_zero"] and rng.random() < 0.5:
+                    values[part.name] = 0.0
+        try:
+            cut = kind(**values)
+            cut.stone()
+        except InputError:
+            continue
+        return cut

@@ -6,10 +6,15 @@ import itertools
 import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict, fields, replace
 from decimal import Decimal, InvalidOperation
+from functools import cache
 from typing import Any
 
+import numpy as np
+
+from gemrender.cuts.families import families
+from gemrender.cuts.families.family import Family
 from gemrender.cuts.files import load_stone
 from gemrender.cuts.round_brilliant.proportions import (
     RANGES,
@@ -18,18 +23,30 @@ from gemrender.cuts.round_brilliant.proportions import (
     number_within,
     pavilion_depth_from_angle,
 )
-from gemrender.cuts.stones import Lazy, Stones
+from gemrender.cuts.stones import Lazy, Stones, taken_lines
 from gemrender.errors import InputError
 from gemrender.reading import did_you_mean
 from gemrender.stone import Stone
 
-__all__ = ["MOST_VARIATIONS", "SETTINGS", "Variations", "parse_setting", "vary"]
+__all__ = [
+    "MOST_VARIATIONS",
+    "SETTINGS",
+    "Variations",
+    "all_settings",
+    "parse_setting",
+    "settings_of",
+    "vary",
+]
 
 #: Most stones of a grid: days of work.
 MOST_VARIATIONS = 1_000_000
 
+#: So many stones of a family's grid are checked beforehand, in a few seconds; of more the grid's corners.
+MOST_CHECKED = 1000
+
 _MATERIAL = ("index", "material")
-#: What can be set: the keys of a stone file's [proportions] and [angles], and its material.
+#: What can be set of round brilliants: the keys of a stone file's [proportions] and [angles], and its
+#: material.
 SETTINGS = (
     *dict.fromkeys(("table", "crown_angle", "pavilion_angle", "star", "lower_half", *RANGES)),
     *_MATERIAL,
@@ -60,19 +77,38 @@ _FORMS = "must be a value, values with commas between them, or first:last:step, 
 Value = float | str
 
 
-def parse_setting(text: str) -> tuple[str, tuple[Value, ...]]:
+def settings_of(stone: Stone) -> tuple[str, ...]:
+    """Return the keys that can be set of a stone: proportions or parameters, and its material."""
+    return _settings_of(type(stone.cut)) if isinstance(stone.cut, Family) else SETTINGS
+
+
+def all_settings() -> tuple[str, ...]:
+    """Return the keys that can be set of stones of any kind."""
+    own = (_settings_of(kind) for kind in families().values() if issubclass(kind, Family))
+    return tuple(dict.fromkeys(itertools.chain(SETTINGS, *own)))
+
+
+def _settings_of(kind: type[Family]) -> tuple[str, ...]:
+    """Return the keys that can be set of the cuts of a family."""
+    own = (part.name for part in fields(kind))  # type: ignore[arg-type]
+    return (*own, *(other.name for other in kind.ALTERNATIVES), *_MATERIAL)
+
+
+def parse_setting(text: str, keys: Sequence[str] = SETTINGS) -> tuple[str, tuple[Value, ...]]:
     """Read a setting such as "pavilion_angle=39:42:0.1".
 
     Parameters
     ----------
     text : str
-        A key of `SETTINGS`, "=", and a value, values with commas between them, or first:last:step. Steps are
-        counted in decimals: 39:42:0.1 is 39, 39.1 ... 42, each the number that is written so.
+        A key, "=", and a value, values with commas between them, or first:last:step. Steps are counted in
+        decimals: 39:42:0.1 is 39, 39.1 ... 42, each the number that is written so.
+    keys : sequence of str
+        The keys that can be set.
 
     Returns
     -------
     tuple of str and tuple
-        The key and its values: numbers, names of a material for `material`.
+        The key and its values: numbers, or words such as names of materials.
 
     Raises
     ------
@@ -83,7 +119,7 @@ def parse_setting(text: str) -> tuple[str, tuple[Value, ...]]:
     name = key.strip().replace("-", "_").lower()
     if not equals:
         raise InputError("must be KEY=VALUE, such as pavilion_angle=39:42:0.1", value=text)
-    _check_key(name, key.strip())
+    _check_key(name, key.strip(), keys)
     parts = [part.strip() for part in values.split(",")]
     if name == "material":
         if not all(parts):
@@ -91,18 +127,30 @@ def parse_setting(text: str) -> tuple[str, tuple[Value, ...]]:
         return name, tuple(parts)
     found: list[Value] = []
     for part in parts:
-        found += _grid(name, part)
+        found += [part] if part.isalpha() and name in _words() else _grid(name, part)
         if len(found) > MOST_VARIATIONS:
             raise InputError(f"makes more than {MOST_VARIATIONS} values", key=name, value=values)
     return name, tuple(found)
 
 
-def _check_key(name: str, written: str) -> None:
-    if name not in SETTINGS:
+def _check_key(name: str, written: str, keys: Sequence[str]) -> None:
+    if name not in keys:
         raise InputError(
-            f"unknown key; must be one of {', '.join(SETTINGS)}{did_you_mean(name, SETTINGS)}",
+            f"unknown key; must be one of {', '.join(keys)}{did_you_mean(name, keys)}",
             key=written or "''",
         )
+
+
+@cache
+def _words() -> frozenset[str]:
+    """Return the keys that words can be set for: choices, and numbers that have words such as "medium"."""
+    return frozenset(
+        part.name
+        for kind in families().values()
+        if issubclass(kind, Family)
+        for part in fields(kind)
+        if "allowed" in part.metadata or part.metadata["words"] is not None
+    )
 
 
 def _grid(key: str, text: str) -> list[float]:
@@ -143,10 +191,16 @@ class Variations(Stones):
         self._base, self._axes = stone, dict(axes)
         self.keys = tuple(axes)
         self._length = math.prod(len(values) for values in axes.values())
-        self.notes = tuple(f"{stone.name}: {words}" for words in stone.assumed if not _is_set(words, axes))
+        left = [words for words in stone.assumed if not _is_set(words, axes)]
+        self.notes = tuple(f"{stone.name}: {words}" for words in taken_lines(left))
 
     def __len__(self) -> int:
         return self._length
+
+    @property
+    def name(self) -> str:
+        """The name of the stone that is varied."""
+        return self._base.name
 
     @property
     def settings(self) -> Sequence[dict[str, Value]]:
@@ -178,7 +232,7 @@ def vary(
     """Return a stone with every combination of the values that are set.
 
     What is not set stays as the stone file has it: where its crown is given by the angle ([angles],
-    [report]), another table keeps the angle; where by the height ([proportions]), the height.
+    [report]), another table keeps the angle; where by the height ([proportions], [cut]), the height.
 
     Parameters
     ----------
@@ -200,10 +254,11 @@ def vary(
         stone, or proportions set for a measured stone.
     """
     base = stone if isinstance(stone, Stone) else load_stone(stone)
+    keys = settings_of(base)
     axes: dict[str, Sequence[Value]] = {}
     for setting in settings:
-        key, values = parse_setting(setting) if isinstance(setting, str) else setting
-        _check_key(key, key)
+        key, values = parse_setting(setting, keys) if isinstance(setting, str) else setting
+        _check_key(key, key, keys)
         if key in axes:
             raise InputError("is set twice", key=key)
         if not len(values):
@@ -218,14 +273,18 @@ def vary(
         raise InputError(
             f"make {numbers} = {count} stones; at most {MOST_VARIATIONS} are allowed", key="settings"
         )
-    if base.proportions is None and (measured := [key for key in axes if key not in _MATERIAL]):
+    is_made = base.proportions is not None or isinstance(base.cut, Family)
+    if not is_made and (measured := [key for key in axes if key not in _MATERIAL]):
         raise InputError(
             "cannot be set: the stone is not made from proportions",
             source=base.source or base.name,
             key=measured[0],
         )
     _check(base, axes)
-    return Variations(base, axes)
+    made = Variations(base, axes)
+    if isinstance(base.cut, Family):
+        _check_made(made, axes)
+    return made
 
 
 def _check(base: Stone, axes: Mapping[str, Sequence[Value]]) -> None:
@@ -243,12 +302,31 @@ def _check(base: Stone, axes: Mapping[str, Sequence[Value]]) -> None:
                 if isinstance(value, (str, bool)) or not 1 < value < math.inf:
                     raise InputError("must be a finite number above 1", key=key, value=value)
             ends.append(list(values[:1]))
+        elif isinstance(base.cut, Family):  # told when they are made
+            continue
         else:
             numbers = [number_within(key, value) for value in values]
             ends.append([min(numbers), max(numbers)])
     if base.proportions is not None:
         for corner in itertools.product(*ends):
             _proportions(base, base.proportions, dict(zip(axes, corner, strict=True)))
+
+
+def _check_made(stones: Variations, axes: Mapping[str, Sequence[Value]]) -> None:
+    """Refuse a grid of a family's stones some of which cannot be made; of a large grid its corners."""
+    numbers: Iterable[int] = range(len(stones))
+    if len(stones) > MOST_CHECKED:
+        sizes = [len(values) for values in axes.values()]
+        corners = itertools.product(*([0, size - 1] for size in sizes))
+        numbers = (int(np.ravel_multi_index(corner, sizes)) for corner in corners)
+    for number in numbers:
+        try:
+            stones[number]
+        except InputError as error:
+            setting = " ".join(f"{key}={_shown(value)}" for key, value in stones.settings[number].items())
+            raise InputError(
+                error.allowed, source=f"{stones.name} with {setting}", key=error.key, value=error.value
+            ) from error
 
 
 def _varied(base: Stone, setting: Mapping[str, Value]) -> Stone:
@@ -258,12 +336,19 @@ def _varied(base: Stone, setting: Mapping[str, Value]) -> Stone:
         "material": setting.get("material", setting.get("index", base.material)),
         "assumed": tuple(text for text in base.assumed if not _is_set(text, setting)),
     }
-    if base.proportions is None or not set(setting) - set(_MATERIAL):
+    own = {key: value for key, value in setting.items() if key not in _MATERIAL}
+    if not own:
         return replace(base, **made)
+    if isinstance(base.cut, Family):
+        stone: Stone = base.cut.changed(**own).stone(
+            source=base.source, description=base.description, size_mm=base.size_mm, **made
+        )
+        return stone
     return Stone.from_proportions(
         _proportions(base, base.proportions, setting),
         source=base.source,
         description=base.description,
+        size_mm=base.size_mm,
         **made,
     )
 
@@ -292,4 +377,4 @@ def _shown(value: Value) -> str:
 
 def _is_set(assumed: str, keys: Iterable[str]) -> bool:
     """Whether something assumed of the base stone has been set after all."""
-    return any(assumed.startswith(f"{_ASSUMED_AS[key]} ") for key in keys if key in _ASSUMED_AS)
+    return any(assumed.startswith(f"{_ASSUMED_AS.get(key, key.replace('_', ' '))} ") for key in keys)

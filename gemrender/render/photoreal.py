@@ -23,7 +23,7 @@ from gemrender.stone import Stone
 __all__ = ["DEFAULT_VARIANT", "Foreground", "Picture", "make_gems", "render", "require_denoiser"]
 
 DEFAULT_VARIANT = "llvm_ad_spectral"
-#: Diameter where neither carat nor millimetres are given [mm]: of round diamonds about 1 carat.
+#: Diameter of a stone whose size neither the user nor its file states [mm]: of round diamonds about 1 carat.
 DEFAULT_DIAMETER_MM = 6.5
 #: Radius of the tent that pixels are filtered by [pixel].
 FILTER_RADIUS = 1.0
@@ -119,7 +119,7 @@ def make_gems(
         Name or file of the material of all, or its refractive index; by default each stone's own.
     carat, diameter_mm : float, optional
         Weight of each stone [carat], or its girdle diameter [mm], of stones that are not round the length of
-        the outline's longer side; not both.
+        the outline's longer side; not both. By default the stone's own size, of one without 6.5 mm.
 
     Raises
     ------
@@ -143,7 +143,7 @@ def make_gems(
             if material is not None:
                 raise InputError(error.allowed, key="material", value=material) from error
             raise error.at(stone.source or stone.name, "material") from error
-        diameter = diameter_mm or DEFAULT_DIAMETER_MM
+        diameter = diameter_mm or stone.size_mm or DEFAULT_DIAMETER_MM
         if carat is not None:
             if of_stone.density is None:
                 raise InputError(

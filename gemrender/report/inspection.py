@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 
 from gemrender.cuts.design import Design
+from gemrender.cuts.families.family import Family
+from gemrender.cuts.stones import taken_lines
 from gemrender.errors import InputError
 from gemrender.optics import load_material, refractive_index
 from gemrender.optics.material import DIAMETER_RANGE_MM
@@ -28,7 +30,7 @@ __all__ = [
     "inspection_values",
 ]
 
-#: Longer side of the outline that stones are weighed at where no other is asked for [mm].
+#: Longer side of the outline that stones are weighed at where none is asked for or stated [mm].
 DEFAULT_SIZE_MM = 6.5
 #: Cubic millimetres times g/cm3 are milligrams; so many make a carat.
 _CARAT_MG = 200.0
@@ -43,7 +45,8 @@ class Inspection:
     name : str
         The stone's name.
     cut : str
-        How it was given: "round brilliant", "design", "measured round brilliant", "planes" or "mesh".
+        How it was given: "round brilliant", the family's name, "design", "measured round brilliant", "planes"
+        or "mesh".
     facets, corners : int
         Number of facets, and of points where three and more of them meet.
     dimensions : dict of str to Dimension
@@ -114,21 +117,24 @@ def check_size(size_mm: float) -> float:
     return size_mm
 
 
-def inspect_stone(stone: Stone, *, size_mm: float = DEFAULT_SIZE_MM) -> Inspection:
+def inspect_stone(stone: Stone, *, size_mm: float | None = None) -> Inspection:
     """Return what a stone is, in figures.
 
     Parameters
     ----------
     stone : Stone
         The stone.
-    size_mm : float
-        Longer side of its outline, or its diameter if it is round [mm].
+    size_mm : float, optional
+        Longer side of its outline, or its diameter if it is round [mm]; by default the stone's own size, of
+        one without `DEFAULT_SIZE_MM`.
 
     Raises
     ------
     InputError
         A size that no stone has, or a material that is not known.
     """
+    if size_mm is None:
+        size_mm = DEFAULT_SIZE_MM if stone.size_mm is None else stone.size_mm
     millimetre = check_size(size_mm) / 2.0
     name = "diamond" if stone.material is None else stone.material
     try:
@@ -169,6 +175,8 @@ def inspect_stone(stone: Stone, *, size_mm: float = DEFAULT_SIZE_MM) -> Inspecti
 def _cut_of(stone: Stone) -> str:
     if stone.labelled_vertices is not None:
         return "round brilliant" if stone.proportions is not None else "measured round brilliant"
+    if isinstance(stone.cut, Family):
+        return stone.cut.family()
     if isinstance(stone.cut, Design):
         return "design"
     return "planes" if stone.is_convex else "mesh"
@@ -183,7 +191,7 @@ def inspection_tables(inspections: Sequence[Inspection]) -> list[TextTable]:
     for found in inspections:
         figures = TextTable([Column(found.name, is_text=True), Column("", is_text=True, wraps=True)])
         figures.rows += _figures(found)
-        for words in (*found.notes, *(f"taken: {words}" for words in found.assumed)):
+        for words in (*found.notes, *(f"taken: {words}" for words in taken_lines(found.assumed))):
             figures.note(f"{found.name}: {words}.", "yellow")
         tables += [figures, _tier_table(found)]
     tables[-1].note(

@@ -28,6 +28,7 @@ __all__ = [
 
 _COLOURS = {"average": "#1e9c89", "rear": "#3f4889"}
 _INK, _GREY = "#222222", "#666666"
+_SIGNS = {"deg": "°", "%": "%", "": ""}
 _NAMES = {
     "table": "Table",
     "star": "Star length",
@@ -43,8 +44,11 @@ _NAMES = {
 
 def parameter_name(derivative: Derivative) -> str:
     """Return the parameter in words, with what is kept where that matters."""
-    name = _NAMES.get(derivative.parameter, derivative.parameter)
-    if derivative.parameter == "table":
+    name = _NAMES.get(derivative.parameter)
+    if name is None:
+        is_tier = derivative.kept == "tiers"
+        name = derivative.parameter if is_tier else derivative.parameter.replace("_", " ").capitalize()
+    if derivative.parameter in ("table", "culet"):
         name += ", heights kept" if derivative.kept == "proportions" else ", angles kept"
     return name
 
@@ -60,7 +64,7 @@ def sensitivity_table(sensitivities: Sequence[Sensitivity]) -> TextTable:
             table.rows.append([
                 "" if number else s.name,
                 parameter_name(d),
-                "1 °" if d.unit == "deg" else "1 %",
+                f"1 {_SIGNS[d.unit]}".strip(),
                 f"{d.average:+.3f}",
                 _digits(d.average_bound),
                 f"{d.rear:+.3f}",
@@ -111,7 +115,8 @@ def sensitivity_figure(sensitivity: Sensitivity) -> Figure:
 
 
 def _label(derivative: Derivative) -> str:
-    return f"{parameter_name(derivative)} [{'°' if derivative.unit == 'deg' else '%'}]"
+    sign = _SIGNS[derivative.unit]
+    return f"{parameter_name(derivative)} [{sign}]" if sign else parameter_name(derivative)
 
 
 def _draw_bars(axes: Axes, derivatives: Sequence[Derivative], name: str) -> None:

@@ -9,7 +9,7 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 
 from gemrender.errors import InputError
-from gemrender.stone.facets import Facet
+from gemrender.stone.facets import LEVEL, Facet
 from gemrender.stone.frame import lower_edge
 from gemrender.stone.planes import mean_planes
 from gemrender.stone.solid import ConvexSolid, MeshSolid
@@ -69,6 +69,9 @@ class Stone:
         Of a round brilliant its vertices in their order.
     known_symmetry : Symmetry or None
         Its symmetry, where the cut knows it.
+    size_mm : float or None
+        Two of its units: the longer side of the outline, or the diameter of a round one [mm], where it is
+        known. It stays as it is when the stone is turned.
 
     Raises
     ------
@@ -87,6 +90,7 @@ class Stone:
     notes: tuple[str, ...] = ()
     labelled_vertices: np.ndarray | None = field(default=None, repr=False)
     known_symmetry: Symmetry | None = field(default=None, repr=False)
+    size_mm: float | None = None
 
     def __post_init__(self) -> None:
         if len(self.facets) != self.solid.n_facets:
@@ -212,8 +216,10 @@ class Stone:
             known_symmetry=None,
         )
 
-    def tilted(self, deviation_deg: float, rng: np.random.Generator, *, name: str | None = None) -> Stone:
-        """Return the stone with every plane facet tilted at random about its middle.
+    def tilted(
+        self, deviation_deg: float, rng: np.random.Generator, *, depth: float = 0.0, name: str | None = None
+    ) -> Stone:
+        """Return the stone with every plane facet tilted at random about its middle, and cut deeper or less.
 
         Level ones stay, and those that others cut away.
 
@@ -225,7 +231,9 @@ class Stone:
         deviation_deg : float
             Standard deviation of either angle [deg].
         rng : numpy.random.Generator
-            Source of the angles.
+            Source of the angles and depths.
+        depth : float
+            Standard deviation of how far each facet is moved along its normal [stone's unit].
 
         Raises
         ------
@@ -245,6 +253,9 @@ class Stone:
         turned = np.where(stays[:, None], normals, normals + a * u + b * v)
         turned /= np.linalg.norm(turned, axis=1, keepdims=True)
         offsets = np.where(stays, self.facet_offsets, np.einsum("ij,ij->i", turned, middles))
+        if depth:
+            level = np.abs(normals[:, 2]) <= LEVEL  # the girdle is the outline, and stays
+            offsets += np.where(level | (areas <= _NO_AREA), 0.0, rng.normal(0.0, depth, len(normals)))
         kept = solid.facet >= len(normals)  # the planes of a girdle that is not one plane
         planes = np.column_stack([turned, offsets])
         return replace(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import sys
+import time
 from contextlib import contextmanager
 
 import numpy as np
@@ -13,7 +14,7 @@ from exact_tolerances import TILING
 from rich.console import Console
 
 from gemrender.beam import Budget, FacetStatus, beam_stone, check_limits, measure, trace_facets
-from gemrender.beam.budget import MEMORY_RANGE, TIME_RANGE
+from gemrender.beam.budget import MEMORY_RANGE, PAUSED, TIME_RANGE
 from gemrender.beam.maps import observe
 from gemrender.beam.sensitivity import sensitivity
 from gemrender.cuts import RoundBrilliant, load_stone
@@ -76,6 +77,20 @@ def test_other_engines_make_no_use_of_them():
 
 
 # ---- Within the budget ---------------------------------------------------------------------------------
+
+
+def test_time_in_which_kernels_are_compiled_does_not_count():
+    """A first score is the same as later ones, however long compiling takes."""
+    budget = Budget(60.0, 1.0)
+    with PAUSED.compiling(), PAUSED.compiling():
+        before = budget.seconds
+        end = time.process_time() + 0.05
+        while time.process_time() < end:
+            pass
+        assert budget.seconds - before < 0.025
+    assert budget.seconds - before < 0.025
+    while budget.seconds - before < 0.05:  # and then it runs on
+        pass
 
 
 def test_a_score_within_its_budget_is_the_one_without():

@@ -57,8 +57,8 @@ BAD_INPUT = {
     "score": "STONE: missing: stone files (.toml, .csv, .asc, ",
     "scene --out x": "STONE: missing: stone files (.toml, .csv, .asc, ",
     "crosscheck": "STONE: missing: name stones, or ask for some by --random",
-    "score inoue-9": "inoue-9: no such file; the bundled stones are fish-eye, ",
-    "score inoue-1 inoue-9 --out x": "inoue-9: no such file; ",
+    "score inoue-9": "inoue-9: no such file, and no bundled stone (see: gemrender stones); ",
+    "score inoue-1 inoue-9 --out x": "inoue-9: no such file, and ",
     "score .": ".: cannot be read (Is a directory)",
     "score text.toml": "text.toml: ",
     "score table.toml": "table.toml: proportions.table = 'wide': must be a number",
@@ -128,7 +128,10 @@ BAD_ARGUMENTS = [
     (["score", "inoue-1", "--engine", ""], "--engine = '': must be one of auto, exact, mitsuba, reference"),
     (["score", "inoue-1", "--variant", ""], "--variant = '': must be one of llvm_ad_rgb, "),
     (["score", "inoue-1", "--tilt", ""], "--tilt = '': must be a finite number of degrees"),
-    (["score", "a\nb\x1b[31m"], "a b\ufffd[31m: no such file; "),  # no second line, no commands to a terminal
+    (
+        ["score", "a\nb\x1b[31m"],
+        "a b\ufffd[31m: no such file, and ",
+    ),  # no second line, no commands to a terminal
     (["score", "inoue-1", "--out", "\udcff"], "--out = '\\udcff': must be a folder that can be written: "),
 ]
 TABLE = [(line.split(), words) for line, words in BAD_INPUT.items()] + BAD_ARGUMENTS

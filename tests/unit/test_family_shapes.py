@@ -48,7 +48,8 @@ def test_every_parameter_has_a_default_and_the_family_alone_is_a_stone(kind):
     assert all(part.default is not MISSING for part in fields(kind))
     stone = kind().stone()
     assert_closed(tessellate(stone))
-    assert stone.cut == kind()
+    # A brilliant that the paper's proportions describe keeps these as its cut.
+    assert stone.cut in (kind(), getattr(kind(), "proportions", kind)())
 
 
 @pytest.mark.parametrize("kind", FAMILIES.values(), ids=FAMILIES)
@@ -116,4 +117,7 @@ def test_derivatives_of_planes_are_those_of_differences(kind):
 def test_alternatives_lead_back_to_the_parameters(kind):
     cut = kind()
     for name, value in cut.alternatives().items():
-        assert cut.changed(**{name: value}).values() == pytest.approx(cut.values(), rel=ROUNDING)
+        back = cut.changed(**{name: value}).values()
+        words = {key for key, said in back.items() if isinstance(said, str)}
+        assert {key: back.pop(key) for key in words} == {key: cut.values()[key] for key in words}
+        assert back == pytest.approx({key: cut.values()[key] for key in back}, rel=ROUNDING)

@@ -275,7 +275,7 @@ REFUSED = {
     "unknown section": (
         PROPORTIONS.replace("[proportions]", "[proportion]\nx = 1"),
         "proportion = {'x': 1, 'table': 54.0, 'star': 57.0, 'lower_girdle_contact…: unknown key; "
-        "must be one of name, proportions, angles, report, cut, vertices, design, mesh, material; "
+        "must be one of name, proportions, angles, report, cut, vertices, design, mesh, material, size; "
         "did you mean proportions?",
     ),
     "unknown key": (
@@ -285,7 +285,7 @@ REFUSED = {
     "key without its section": (
         "table = 54\n" + PROPORTIONS,
         "table = 54: unknown key; must be one of name, proportions, angles, report, cut, vertices, design, "
-        "mesh, material; "
+        "mesh, material, size; "
         "it belongs in [proportions] or [angles] or [report]",
     ),
     "key of another section": (
@@ -417,16 +417,21 @@ def test_number_beyond_every_float_is_refused(number):
 # ---- Bad paths -----------------------------------------------------------------------------------------
 
 
-def test_unknown_name_lists_the_bundled_stones():
-    stones = ", ".join(BUNDLED)
+def test_unknown_name_guesses_at_bundled_stones():
     assert refusal("inoue-4") == (
-        f"inoue-4: no such file; the bundled stones are {stones}; did you mean inoue-3?"
+        "inoue-4: no such file, and no bundled stone (see: gemrender stones); did you mean "
+        "inoue-3, inoue-2 or inoue-1?"
     )
+    assert refusal("gia") == (
+        "gia: no such file, and no bundled stone (see: gemrender stones); did you mean gia-excellent?"
+    )
+    assert refusal("xyz") == "xyz: no such file, and no bundled stone (see: gemrender stones)"
 
 
 @pytest.mark.parametrize("name", ["", " "])
 def test_empty_name(name):
-    assert refusal(name) == f"stone = {name!r}: must be a stone file or one of {', '.join(BUNDLED)}"
+    said = "must be a stone file or a bundled stone (see: gemrender stones)"
+    assert refusal(name) == f"stone = {name!r}: {said}"
 
 
 def test_folder():

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from gemrender.cuts import RoundBrilliant, load_stone, load_stones
 from gemrender.cuts.columns import ALIASES, known_column
 from gemrender.cuts.files import save_vertices
+from gemrender.cuts.shape_words import shape_words
 from gemrender.cuts.stones import Stones
 from gemrender.cuts.table import StoneTable, open_table
 from gemrender.errors import InputError
@@ -305,6 +306,7 @@ def test_table_where_one_stone_is_needed():
 
 # ---- Bad tables ----------------------------------------------------------------------------------------
 
+SHAPES = ", ".join(dict.fromkeys(shape_words().values()))
 _NEEDS = "the depth stands for one of these only"
 
 REFUSED = {
@@ -363,14 +365,14 @@ REFUSED = {
         "3 more",
     ),
     "missing cell": (lines(ROW[:5]), "row 1 (line 2): has 5 columns, the header 6, with commas between them"),
-    "not a round": (
-        lines((*ROW, "Round"), (*ROW, "Pear"), header=(*ANGLES, "Shape")),
-        "row 2 (line 3), Shape = 'Pear': must be round: other shapes cannot be made yet",
+    "no shape that can be made": (
+        lines((*ROW, "Round"), (*ROW, "Heart"), header=(*ANGLES, "Shape")),
+        f"row 2 (line 3), Shape = 'Heart': must be one of {SHAPES}, as laboratories or shops write them",
     ),
-    "culet facet": (
-        lines((*ROW, "Small"), header=(*ANGLES, "Culet")),
-        "row 1 (line 2), Culet = 'Small': must be none or pointed: stones with a culet facet cannot be made "
-        "yet",
+    "culet in no words": (
+        lines((*ROW, "Tiny"), header=(*ANGLES, "Culet")),
+        "row 1 (line 2), Culet = 'Tiny': must be 0 or from 0.1 to 20 [% of the diameter], or one of none, "
+        "very small, small, medium, slightly large, large, very large, extremely large",
     ),
     "row numbers for an index": (
         lines((*ROW, 1), header=(*ANGLES, "index")),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import fields, replace
 from typing import Any, ClassVar, Self
 
@@ -11,6 +12,7 @@ from gemrender.cuts.construction import Construction
 from gemrender.cuts.construction.meet_points import GEAR
 from gemrender.cuts.design import Design, Tier
 from gemrender.cuts.families.parameters import Alternative, check_parameters
+from gemrender.cuts.marks import Mark, usual_marks
 from gemrender.stone import ConvexSolid, Facet, Stone
 
 __all__ = ["Family"]
@@ -36,6 +38,11 @@ class Family:
 
     def __post_init__(self) -> None:
         check_parameters(self)
+
+    @classmethod
+    def family(cls) -> str:
+        """Return the family's name, as stone files have it."""
+        return str(sys.modules[cls.__module__].FAMILY)
 
     @classmethod
     def construct(cls, **values: Any) -> Construction:
@@ -83,6 +90,13 @@ class Family:
         """Return its facets as a faceter's tiers, with some parameters changed as by `values`."""
         return self.construction(**changes).tiers()
 
+    def marks(self) -> tuple[Mark, ...]:
+        """Return what its drawing says at arrows, measured from its meet points.
+
+        A family that has more to say than every cut has overrides this, and adds its own to `usual_marks`.
+        """
+        return usual_marks(self.construction(), is_round=self.IS_ROUND)
+
     def design(self) -> Design:
         """Return it as a faceter's design; of a cut with a round girdle all facets but the girdle."""
         return Design(tiers=self.tiers(), gear=GEAR)
@@ -97,6 +111,10 @@ class Family:
         """
         made = self.construction()
         made.check()
+        return self.stone_of(made, **facts)
+
+    def stone_of(self, made: Construction, **facts: Any) -> Stone:
+        """Make the stone of its meet points, as they are; `facts` are fields of `Stone`."""
         planes = made.planes
         return Stone(
             solid=ConvexSolid(planes=planes, facet=np.arange(len(planes)), is_round=self.IS_ROUND),

@@ -3,48 +3,34 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
-
-import numpy as np
+from typing import Any
 
 from gemrender.cuts.construction import Construction
-from gemrender.cuts.construction.brilliant import brilliant
 from gemrender.cuts.construction.outlines import ellipse
-from gemrender.cuts.families.family import Family
-from gemrender.cuts.families.heights import CROWN_ANGLE, PAVILION_ANGLE
-from gemrender.cuts.families.parameters import Alternative, choice, girdle_thickness, parameter
+from gemrender.cuts.families.elongated import ElongatedBrilliant, shoulder_mark
+from gemrender.cuts.families.parameters import girdle_thickness, parameter
+from gemrender.cuts.marks import Mark, usual_marks
 
 __all__ = ["FAMILY", "Parameters"]
 
 FAMILY = "oval"
 
-#: Girdle points of pavilion mains by their number; the first girdle point is an end of the length.
-_MAINS = {4: (2, 6, 10, 14), 6: (2, 4, 6, 10, 12, 14), 8: tuple(range(0, 16, 2))}
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Parameters(Family):
+class Parameters(ElongatedBrilliant):
     """An oval brilliant.
+
+    Its parameters are those of `ElongatedBrilliant`, and one of its outline. Length to width: 1.33 to 1.66 is
+    common (diamonds27.com, "Length to width ratio"), 1.37 to 1.55 recommended (Diamond Screener, "Oval Cut
+    Diamond Guide").
 
     Parameters
     ----------
-    length_to_width : float
-        Length of the outline over its width, 1 to 2.5.
-    table : float
-        Width of the table [% of the width].
-    table_length : float
-        Length of the table [% of the length].
-    crown_height, pavilion_depth : float
-        Heights of crown and pavilion [% of the width]; `crown_angle` and `pavilion_angle`, measured across
-        the width [deg], stand for them.
-    girdle_thickness : float
-        Height of the girdle at its thick places, where the mains meet it [% of the width].
-    star, lower_half : float
-        Lengths of stars and lower halves, as of round brilliants [%].
-    culet : float
-        Width of the culet [% of the width]; 0 for a point.
-    mains : {4, 6, 8}
-        Number of pavilion mains.
+    shoulder : float
+        How much further out its shoulders are than those of an ellipse, half-way between the ends of width
+        and length [% of the distance from the middle]; less than 0 where they slope. Fuller by default, for
+        the weight (`elongated`). GIA, "Girdle Outline": shoulders "should be gently and evenly rounded", and
+        squared ones make a stone weigh more.
 
     Raises
     ------
@@ -52,34 +38,17 @@ class Parameters(Family):
         A value out of range.
     """
 
-    ALTERNATIVES: ClassVar[tuple[Alternative, ...]] = (CROWN_ANGLE, PAVILION_ANGLE)
-
     length_to_width: float = parameter(1.0, 2.5, default=1.4, unit="")
-    table: float = parameter(30.0, 80.0, default=57.0)
-    table_length: float = parameter(30.0, 85.0, default=61.0, why="bezels somewhat less steep at the ends")
-    crown_height: float = parameter(5.0, 30.0, default=14.0)
-    girdle_thickness: float = girdle_thickness(3.5)
-    pavilion_depth: float = parameter(25.0, 65.0, default=43.5)
-    star: float = parameter(20.0, 80.0, default=50.0)
-    lower_half: float = parameter(30.0, 95.0, default=75.0)
-    culet: float = parameter(0.2, 20.0, default=0.0, or_zero=True)
-    mains: int = choice(4, 6, 8, default=8, why="the commonest")
+    girdle_thickness: float = girdle_thickness(4.5)
+    shoulder: float = parameter(-6.0, 8.0, default=2.5, why="as full as weights in the trade")
 
     @classmethod
     def construct(cls, **values: Any) -> Construction:
         """Return meet points and facets; complex values give complex points."""
-        half_width = 1.0 / values["length_to_width"]
-        girdle = ellipse(half_width)
-        percent = 2.0 * half_width / 100.0
-        table = girdle.feet[::2] * np.array([values["table"], values["table_length"]]) / 100.0
-        return brilliant(
-            girdle,
-            table=table,
-            star=values["star"] / 100.0,
-            crown_height=percent * values["crown_height"],
-            thickness=percent * values["girdle_thickness"],
-            pavilion_depth=percent * values["pavilion_depth"],
-            lower_half=values["lower_half"] / 100.0,
-            culet=values["culet"] / 100.0,
-            mains=_MAINS[values["mains"]],
-        )
+        girdle = ellipse(1.0 / values["length_to_width"], shoulder=values["shoulder"] / 100.0)
+        return cls.on_outline(girdle, values)
+
+    def marks(self) -> tuple[Mark, ...]:
+        """Return what its drawing says at arrows."""
+        made = self.construction()
+        return (*usual_marks(made), shoulder_mark(made, 1.0 / self.length_to_width, 1.0))

@@ -157,12 +157,16 @@ def save_figure(figure: Figure, path: Path, title: str) -> None:
 
 
 def _drawing(stone: Stone, display: str) -> Figure:
+    from gemrender.cuts.families.family import Family
+
     is_brilliant = stone.labelled_vertices is not None
     if display == "shape":
         from gemrender.report.displays.shape import shape_figure as figure
     elif display == "outline":
         if is_brilliant:
             from gemrender.report.brilliant.outline import brilliant_outline_figure as figure
+        elif isinstance(stone.cut, Family):
+            from gemrender.report.displays.family_outline import family_outline_figure as figure
         else:
             from gemrender.report.displays.outline import outline_figure as figure
     elif display == "vertices":

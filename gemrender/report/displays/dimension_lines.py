@@ -13,7 +13,7 @@ from gemrender.report.displays.page import PAPER
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["draw_angle", "draw_dimension", "draw_row", "write_beside", "write_outside"]
+__all__ = ["draw_angle", "draw_arc", "draw_dimension", "draw_row", "write_beside", "write_outside"]
 
 FONT_SIZE = 11.5
 #: What an extension line leaves free at the stone, and goes beyond the dimension line [stone's unit].
@@ -23,9 +23,22 @@ ARROWS_INSIDE = 0.16
 
 
 def draw_dimension(
-    axes: Axes, a: np.ndarray, b: np.ndarray, line: tuple[float, float], text: str, *, upright: bool = False
+    axes: Axes,
+    a: np.ndarray,
+    b: np.ndarray,
+    line: tuple[float, float],
+    text: str,
+    *,
+    upright: bool = False,
+    turned: bool = False,
+    is_wide: bool = False,
+    size: float = FONT_SIZE,
 ) -> None:
-    """Draw a dimension with extension lines: level at the height line[1], or upright at line[0]."""
+    """Draw a dimension with extension lines: level at the height line[1], or upright at line[0].
+
+    Of an upright one the text is level, or `turned` along it. A text that `is_wide`, wider than its
+    dimension, stands beyond the ends of the extension lines.
+    """
     axis = 0 if upright else 1
     across = 1 - axis
     ends = np.array([a, b], dtype=float)
@@ -47,10 +60,17 @@ def draw_dimension(
             draw_arrow(axes, outside, end)
         axes.plot(*ends.T, color=PAPER.accent, linewidth=0.8, zorder=5)
     if upright:
-        place, anchor = middle + np.array([0.06, 0.0]), {"ha": "left", "va": "center_baseline"}
+        place = middle + np.array([EXTENSION_BEYOND + 0.02 if is_wide else 0.03 if turned else 0.06, 0.0])
+        anchor = {"ha": "left", "va": "center" if turned else "center_baseline"}
     else:
-        place, anchor = middle + np.array([0.0, 0.035]), {"ha": "center", "va": "bottom"}
-    axes.text(*place, text, fontsize=FONT_SIZE, color=PAPER.accent, zorder=10, **anchor)
+        beyond = EXTENSION_BEYOND + 0.02 if is_wide else 0.035
+        place, anchor = middle + np.array([0.0, beyond]), {"ha": "center", "va": "bottom"}
+    # Where other extension lines pass, they are broken.
+    ground = {"facecolor": PAPER.ground, "edgecolor": "none", "pad": 0.8}
+    axes.text(
+        *place, text, fontsize=size, color=PAPER.accent, zorder=10, rotation=90 if turned else 0, bbox=ground,
+        **anchor,
+    )  # fmt: skip
 
 
 def draw_arrow(axes: Axes, tail: Sequence[float] | np.ndarray, tip: Sequence[float] | np.ndarray) -> None:
@@ -66,24 +86,32 @@ def draw_arrow(axes: Axes, tail: Sequence[float] | np.ndarray, tip: Sequence[flo
 
 def draw_angle(axes: Axes, corner: np.ndarray, other: np.ndarray, radius: float, text: str) -> None:
     """Draw the angle at a corner between the level to the right and another point, and name it outside."""
-    from matplotlib.patches import Arc
-
     angle = float(np.degrees(np.arctan2(*(other - corner)[::-1])))
-    axes.plot(
-        [corner[0], corner[0] + radius + 0.08], [corner[1]] * 2, color=PAPER.accent,
-        linewidth=PAPER.thin_width, zorder=5, linestyle=(0, (6, 3)),
-    )  # fmt: skip
-    axes.add_patch(
-        Arc(
-            corner, 2 * radius, 2 * radius, theta1=min(angle, 0.0), theta2=max(angle, 0.0),
-            color=PAPER.accent, linewidth=0.9, zorder=6,
-        )
-    )  # fmt: skip
+    draw_arc(axes, corner, corner + np.array([1.0, 0.0]), other, radius)
     # The text stands outside the stone, where nothing is drawn.
     place = corner + np.array([-0.05, 0.1 if angle > 0 else -0.1])
     axes.text(
         *place, text, fontsize=FONT_SIZE, color=PAPER.accent, ha="right", va="center_baseline", zorder=10
     )
+
+
+def draw_arc(axes: Axes, corner: np.ndarray, start: np.ndarray, end: np.ndarray, radius: float) -> None:
+    """Draw an angle's arc at a corner, from a dashed line towards one point to the direction of another."""
+    from matplotlib.patches import Arc
+
+    along = (start - corner) / np.hypot(*(start - corner))
+    axes.plot(
+        *np.array([corner, corner + (radius + 0.08) * along]).T, color=PAPER.accent,
+        linewidth=PAPER.thin_width, zorder=5, linestyle=(0, (6, 3)),
+    )  # fmt: skip
+    first, last = (float(np.degrees(np.arctan2(*(point - corner)[::-1]))) for point in (start, end))
+    turn = (last - first + 180.0) % 360.0 - 180.0
+    axes.add_patch(
+        Arc(
+            corner, 2 * radius, 2 * radius, theta1=first + min(turn, 0.0), theta2=first + max(turn, 0.0),
+            color=PAPER.accent, linewidth=0.9, zorder=6,
+        )
+    )  # fmt: skip
 
 
 def draw_row(axes: Axes, points: list[np.ndarray]) -> None:

@@ -17,13 +17,15 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["outline_figure"]
+__all__ = ["draw_tiers", "outline_figure"]
 
 SCALE = 2.2  # inch per unit
 #: Least room for the tables [inch], and the width of that of dimensions.
 _TABLES, _FIGURES = 4.0, 2.55
 #: Height of a line of the tables, and the largest size of their letters [inch], [points].
 _LINE, _SIZE = 0.30, 11.0
+#: Width of a bold letter of size 1, on the average [inch].
+_LETTER = 0.0095
 #: Least height of a line; tiers that have no room for it are left out: `gemrender inspect` lists all [inch].
 _LEAST_LINE = 0.18
 
@@ -62,7 +64,7 @@ def outline_figure(stone: Stone) -> Figure:
     width = column - 0.5
     _draw_figures(page.axes(right + 0.5, bottom, _FIGURES, lower), values)
     tiers = page.axes(right + 0.8 + _FIGURES, bottom, width - _FIGURES - 0.3, lower)
-    _draw_tiers(tiers, tiers_of_stone(stone))
+    draw_tiers(tiers, tiers_of_stone(stone))
     return page.figure
 
 
@@ -125,7 +127,7 @@ def _draw_figures(axes: Axes, values: dict[str, Dimension]) -> None:
     )  # fmt: skip
 
 
-def _draw_tiers(axes: Axes, tiers: tuple[TierFigures, ...]) -> None:
+def draw_tiers(axes: Axes, tiers: tuple[TierFigures, ...]) -> None:
     """Draw the table of tiers: name, number of facets and angle; smaller if there are many."""
     width, height = axes.get_xlim()[1], axes.get_ylim()[1]
     most = int((height - 0.75) / _LEAST_LINE) - 1
@@ -140,7 +142,8 @@ def _draw_tiers(axes: Axes, tiers: tuple[TierFigures, ...]) -> None:
         column, row = divmod(number, -(-len(shown) // columns))
         x, y = column * across, height - 0.55 - (row + 1) * step
         colour = PAPER.soft if tier.side == "girdle" else PAPER.ink
-        axes.text(x, y, _shortened(tier.name), fontsize=size, color=PAPER.accent, fontweight="bold",
+        name = _shortened(tier.name, int((0.5 * across - 0.3) / (_LETTER * size)))
+        axes.text(x, y, name, fontsize=size, color=PAPER.accent, fontweight="bold",
                   parse_math=False)  # fmt: skip
         axes.text(x + 0.5 * across, y, f"{tier.number}", fontsize=size, color=colour, ha="right")
         axes.text(x + 0.92 * across, y, _angle(tier), fontsize=size, color=colour, ha="right")
@@ -149,8 +152,8 @@ def _draw_tiers(axes: Axes, tiers: tuple[TierFigures, ...]) -> None:
         axes.text(0, height - 0.55 - (rows + 0.2) * step, text, fontsize=size, color=PAPER.soft)
 
 
-def _shortened(name: str) -> str:
-    return name if len(name) <= 10 else f"{name[:9]}…"
+def _shortened(name: str, most: int) -> str:
+    return name if len(name) <= most else f"{name[: most - 1]}…"
 
 
 def _angle(tier: TierFigures) -> str:

@@ -1,0 +1,145 @@
+"""Derivatives of a family's scores by each of its parameters, and by the angles that stand for heights.
+
+A girdle of plane facets leaves nothing but polygons, so that all is exact; near a round girdle the light is
+followed as for round brilliants (`slopes`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import fields
+from typing import NamedTuple
+
+import numpy as np
+
+from gemrender.beam.budget import Budget
+from gemrender.beam.compiled import STEP
+from gemrender.beam.derivatives import Derivative, Sensitivity, facet_totals, result
+from gemrender.beam.facets import trace_facets
+from gemrender.beam.slopes import refuse_left_over, slopes_within
+from gemrender.beam.solid import beam_stone
+from gemrender.cuts.families.family import Family
+from gemrender.cuts.families.parameters import unit_of
+from gemrender.measures.tally import bounds_of_sets
+from gemrender.observation import LIGHT_LEVEL, Model, View
+from gemrender.stone import Stone
+
+__all__ = ["Change", "by_parameters", "changes_of"]
+
+
+class Change(NamedTuple):
+    """One parameter, or an alternative to one, that changes while all others stay.
+
+    Parameters
+    ----------
+    parameter : str
+        Its name.
+    kept : {"proportions", "angles"}
+        Whether the other parameters stay, or where angles stand for heights the angles.
+    value : float
+        What it is.
+    held : dict of str to float
+        Angles that stay, by name: the heights follow.
+    """
+
+    parameter: str
+    kept: str
+    value: float
+    held: dict[str, float]
+
+    def planes(self, cut: Family) -> np.ndarray:
+        """Return the cut's planes, (p, 4) complex128, with their derivatives by it [1/unit]."""
+        return cut.planes(**self.held, **{self.parameter: complex(self.value, STEP)})
+
+    def moved(self, stone: Stone, by: float) -> Stone:
+        """Return the stone with it changed.
+
+        Raises
+        ------
+        InputError
+            It is out of its range, or makes no stone.
+        """
+        assert isinstance(stone.cut, Family)
+        changed = stone.cut.changed(**self.held, **{self.parameter: self.value + by})
+        return changed.stone(name=stone.name, material=stone.material)
+
+
+def changes_of(cut: Family) -> Iterator[Change]:
+    """Yield what a cut is differentiated by: its numbers, its angles, and its numbers with angles kept."""
+    numbers = {part.name: getattr(cut, part.name) for part in fields(cut) if "range" in part.metadata}  # type: ignore[arg-type]
+    angles = {other.name: float(value) for other, value in zip(
+        cut.ALTERNATIVES, cut.alternatives().values(), strict=True)}  # fmt: skip
+    for name, value in numbers.items():
+        yield Change(name, "proportions", value, {})
+    for name, value in angles.items():
+        yield Change(name, "angles", value, {})
+    heights = {other.stands_for for other in cut.ALTERNATIVES}
+    for name, value in numbers.items():
+        if name in heights:
+            continue
+        moved = cut.values(**{name: complex(value, STEP)})
+        held = {
+            other.name: angles[other.name]
+            for other in cut.ALTERNATIVES
+            if complex(other.from_parameter(moved)).imag
+        }
+        if held:  # an angle that would change with it
+            yield Change(name, "angles", value, held)
+
+
+def by_parameters(
+    stone: Stone,
+    cut: Family,
+    view: View,
+    model: Model,
+    wanted: float,
+    seed: int,
+    budget: Budget,
+    progress: Callable[[float], None] | None,
+    start: float,
+) -> Sensitivity:
+    """Differentiate by a family's parameters; see `gemrender.beam.sensitivity.sensitivity`."""
+    changes = list(changes_of(cut))
+    if stone.is_round:
+        base, slopes = slopes_within(
+            stone,
+            [(change.planes(cut), change.moved) for change in changes],
+            view, model, wanted, seed, budget, progress,
+        )  # fmt: skip
+        scores, girdle = base.scores().mean(axis=0), base.girdle
+    else:
+        scores, slopes = _exact(stone, cut, changes, view, model, budget, progress)
+        girdle = 0.0
+    derivatives = [
+        Derivative(
+            parameter=change.parameter, kept=change.kept, unit=unit_of(cut, change.parameter),
+            average=float(slope[:, 0].mean()), rear=float(slope[:, 1].mean()),
+            average_bound=float(bounds_of_sets(slope)[0]) if len(slope) > 1 else 0.0,
+            rear_bound=float(bounds_of_sets(slope)[1]) if len(slope) > 1 else 0.0,
+        )
+        for change, slope in zip(changes, slopes, strict=True)
+    ]  # fmt: skip
+    return result(stone, view, model, (scores[0], scores[1]), derivatives, girdle, start)
+
+
+def _exact(
+    stone: Stone,
+    cut: Family,
+    changes: list[Change],
+    view: View,
+    model: Model,
+    budget: Budget,
+    progress: Callable[[float], None] | None,
+) -> tuple[np.ndarray, list[np.ndarray]]:
+    """Return Average and Rear, (2,), and their derivatives by each change, (1, 2) each: all is polygons."""
+    convex = beam_stone(stone)
+    refuse_left_over(trace_facets(convex, view=view, model=model, whole=False, budget=budget), stone)
+    scores, slopes = np.zeros(2), []
+    for done, change in enumerate(changes, start=1):
+        totals = facet_totals(convex, change.planes(cut), view=view, model=model)
+        parts, area = totals[:2], totals[2]
+        scores = LIGHT_LEVEL * (parts / area).real
+        slopes.append(LIGHT_LEVEL * (parts / area).imag[None] / STEP)
+        if progress is not None:
+            progress(done / len(changes))
+    return scores, slopes
