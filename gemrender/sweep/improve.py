@@ -2,7 +2,7 @@
 
 The search is differential evolution (Storn & Price, J. Global Optimization 11, 341 (1997)) by scipy, over
 values that a cutter can hold: each parameter in steps. What it has found is finished by trying every step to
-either side until none is better, which needs no derivative where scores jump. Answers far from one another are
+either side until none is better, which needs no derivative where scores jump. Answers that are far apart are
 kept, not the best alone.
 """
 
