@@ -312,7 +312,7 @@ def _mesh(top: dict[str, Any], toml: Path, mistakes: Mistakes) -> tuple[Path, st
 
 
 def read_cut(values: object) -> tuple[Any, tuple[str, ...]]:
-    """Return the cut that a section [cut] describes, a family by its name and its parameters, and what was taken.
+    """Return the cut that a section [cut] describes, by its family and parameters, and what was taken.
 
     Raises
     ------
