@@ -34,7 +34,7 @@ __all__ = ["ElongatedBrilliant", "shoulder_mark", "tips", "wing_marks"]
 #: Girdle points of pavilion mains by their number; the first girdle point is an end of the length. With six
 #: the mains at both ends are left out ("to only 56 facets when the pavilion facets at the head and tail are
 #: eliminated", yourjewel.com, "Loose Diamonds"). With four also those at the belly: what is left is an X.
-#: No source was found for the latter; of sets with both mirror planes it keeps the culet's edges apart.
+#: No source was found for which four: of those that leave both mirror planes it is the set without the belly.
 _MAINS = {4: (2, 6, 10, 14), 6: (2, 4, 6, 10, 12, 14), 8: tuple(range(0, 16, 2))}
 
 #: The table's length follows the stated width of the table, and may be stated itself.
