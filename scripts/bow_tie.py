@@ -1,7 +1,7 @@
 """Bow-ties: virtual facets of stones from above, and how much of the belly the viewer's head darkens.
 
     python scripts/bow_tie.py                                  # the bundled pairs of oval, marquise and pear
-    python scripts/bow_tie.py my-oval.toml pear-classic --head 15 --out docs/bow-tie.png
+    python scripts/bow_tie.py my-oval.toml pear-classic --head 15 --out docs/bow-tie.jpg
 
 Prints a table, and with --out draws a map of each stone: black where a virtual facet would have its light
 from the viewer's head, blue where from below the horizon. Lines part the belly from the ends.
@@ -34,7 +34,7 @@ DARK, LEAKING, SECTOR = "#0d0d0d", "#a9c3dd", "#d0342c"
 #: Greys of what is bright, from the horizon to the head.
 LOW, HIGH = 0.72, 1.0
 #: Size of a map in the figure [inch] and its resolution [dots an inch].
-SIZE, DPI = 3.0, 90
+SIZE, DPI = 3.0, 110
 
 
 def colours(found: BowTie) -> np.ndarray:
@@ -90,7 +90,21 @@ def draw(found: list[BowTie]) -> Figure:
         draw_map(axes, one)
     for axes in places[len(found) :]:
         axes.axis("off")
+    figure.supxlabel(
+        f"Black: light from the viewer's head, {found[0].head_deg:g}° about the eye. Blue: from below the "
+        "horizon. Grey to white: from the sky,\nfrom the horizon up to the head. Between the red lines: the "
+        "belly.",
+        fontsize=8,
+    )
     return figure
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Save a figure as PNG, or as JPEG where the file's name says so."""
+    if path.suffix == ".jpg":
+        figure.savefig(path, dpi=figure.dpi, pil_kwargs={"quality": 88, "optimize": True})
+    else:
+        save_png(figure, path)
 
 
 def print_table(found: list[BowTie]) -> None:
@@ -111,7 +125,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("stones", nargs="*", default=STONES, metavar="STONE", help="bundled names or files")
     parser.add_argument("--head", type=float, default=HEAD_DEG, help="half the angle of the head [deg]")
-    parser.add_argument("--out", type=Path, metavar="FILE", help="PNG to draw the maps into")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="PNG or JPEG to draw the maps into")
     options = parser.parse_args()
     try:
         found = [bow_tie(load_stone(name), head_deg=options.head) for name in options.stones]
@@ -120,7 +134,7 @@ def main() -> None:
     print_table(found)
     if options.out is not None:
         figure = draw(found)
-        write_whole(options.out.parent, {options.out.name: lambda path: save_png(figure, path)})
+        write_whole(options.out.parent, {options.out.name: lambda path: save(figure, path)})
 
 
 if __name__ == "__main__":

@@ -23,7 +23,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from gemrender.cuts.construction import Construction
-from gemrender.cuts.construction.brilliant import Girdle, brilliant
+from gemrender.cuts.construction.brilliant import Girdle, brilliant, widths
 from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.heights import CROWN_ANGLE, PAVILION_ANGLE
 from gemrender.cuts.families.parameters import Alternative, choice, girdle_thickness, parameter
@@ -120,6 +120,7 @@ class ElongatedBrilliant(Family):
         share = values["table"] / 100.0
         shares = np.array([share, share * values["table_elongation"]])
         percent = width / 100.0
+        mains = _MAINS[values["mains"]]
         return brilliant(
             girdle,
             table=middle + (girdle.feet[::2] - middle) * shares,
@@ -128,8 +129,8 @@ class ElongatedBrilliant(Family):
             thickness=percent * values["girdle_thickness"],
             pavilion_depth=percent * values["pavilion_depth"],
             lower_half=values["lower_half"] / 100.0,
-            culet=values["culet"] / 100.0,
-            mains=_MAINS[values["mains"]],
+            culet=values["culet"] / 100.0 * widths(girdle, mains),
+            mains=mains,
             axis=(0.0, culet_at),
             french=french,
         )

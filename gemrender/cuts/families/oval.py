@@ -8,7 +8,7 @@ from typing import Any
 from gemrender.cuts.construction import Construction
 from gemrender.cuts.construction.outlines import ellipse
 from gemrender.cuts.families.elongated import ElongatedBrilliant, shoulder_mark
-from gemrender.cuts.families.parameters import parameter
+from gemrender.cuts.families.parameters import girdle_thickness, parameter
 from gemrender.cuts.marks import Mark, usual_marks
 
 __all__ = ["FAMILY", "Parameters"]
@@ -39,6 +39,7 @@ class Parameters(ElongatedBrilliant):
     """
 
     length_to_width: float = parameter(1.0, 2.5, default=1.4, unit="")
+    girdle_thickness: float = girdle_thickness(4.5)
     shoulder: float = parameter(-6.0, 8.0, default=2.5, why="as full as weights in the trade")
 
     @classmethod

@@ -36,7 +36,7 @@ from gemrender.cuts.construction.meet_points import points_at
 from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.parameters import Alternative, choice, girdle_thickness, parameter
 from gemrender.cuts.laboratory import ROUNDING
-from gemrender.cuts.marks import Mark, Share, break_marks, corner_mark, slope, usual_marks
+from gemrender.cuts.marks import Mark, Share, break_marks, corner_mark, slope, tilt, usual_marks
 
 __all__ = ["FAMILY", "Parameters"]
 
@@ -202,6 +202,8 @@ class Parameters(Family):
             Share(name="tip of chevrons", view="pavilion", start=axis, end=np.array([0.0, 1.0, 0.0]), at=tip,
                   parameter="tip"),
         ]  # fmt: skip
+        if self.length_to_width == 1:
+            marks.append(tilt(made, "pavilion_main", "corner angle", "pavilion", parameter="corner_angle"))
         return (*marks, *([corner_mark(made)] if self.corner else []))
 
 

@@ -26,12 +26,14 @@ from gemrender.cuts.construction.triangle import Triangle
 from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.parameters import Alternative, choice, girdle_thickness, parameter
 from gemrender.cuts.laboratory import ROUNDING
+from gemrender.cuts.marks import Angle, Length, Mark, Place, Share, apex, tilt, usual_marks
 
 __all__ = ["FAMILY", "Parameters"]
 
 FAMILY = "trilliant"
 
 _DEGREE = np.pi / 180
+_ENDS = (" at the side", " at the corner")
 #: Girdle points of pavilion mains by their number; the first girdle point is the corner at the length's end.
 _MAINS = {3: (2, 6, 10), 6: (0, 2, 4, 6, 8, 10)}
 
@@ -181,3 +183,41 @@ class Parameters(Family):
         )
         add_girdle(stone, upper, lower, girdle)
         return stone
+
+    def marks(self) -> tuple[Mark, ...]:
+        """Return what its drawing says at arrows, of the side at -y and the corner at +y.
+
+        How far table and sides are bowed are parameters where the three sides are equal; else it is only
+        measured, or named.
+        """
+        made = self.construction()
+        points, rings = made.points.real, made.rings
+        edge = points[rings["girdle_upper"]].reshape(12, -1, 3)
+        table, corner, side = points[rings["table"]], edge[0, 0], edge[6, 0]
+        is_equal = not self.length_to_width
+        without = [f"{part} angle{at}" for part in ("crown", "pavilion") for at in ("", *_ENDS)]
+        marks = [
+            *usual_marks(made, ends=("side", "corner"), without=[*without, "culet"]),
+            Place(name="corner", view="crown", at=corner, parameter="corner"),
+            *(tilt(made, kind, f"{view} angle", view, towards=(0.0, -1.0),
+                   parameter=f"{view}_angle")
+              for kind, view in (("bezel", "crown"), ("pavilion_main", "pavilion"))),
+            Angle(name="star azimuth", view="crown", corner=table[3],
+                  start=table[3] - np.array([1.0, 0.0, 0.0]), end=table[2],
+                  parameter="star_azimuth" if is_equal else ""),
+        ]  # fmt: skip
+        if is_equal and not self.corner:
+            chord = edge[4, 0] * [0.0, 1.0, 1.0]
+            whole = abs(2.0 * float(edge[4, 0, 0]))
+            bow: Mark = Length(name="bow", view="crown", start=side, end=chord, axis=1, whole=whole,
+                         is_inside=True, parameter="bow")  # fmt: skip
+        else:
+            bow = Place(name="bowed side", view="crown", at=side, parameter="bow")
+        marks.append(bow)
+        if self.culet:
+            at = points[rings["culet"]]
+            marks.append(
+                Share(name="culet", view="pavilion", start=apex(made), end=side, parameter="culet",
+                      at=at[at[:, 1].argmin()])
+            )  # fmt: skip
+        return tuple(marks)
