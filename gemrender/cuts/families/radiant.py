@@ -134,6 +134,8 @@ class Parameters(Family):
         axis, edge = np.zeros(3), np.array([points[:, 0].min(), 0.0, 0.0])
         shield, ridge, kites = points[rings["shield"]][1], points[rings["ridge"]][0], points[rings["kite"]]
         lower = points[rings["girdle_lower"]]
+        # What goes from the culet to the shield's tip.
+        steep = "kite angle" if self.halves == 3 else "ridge angle"
         return (
             *usual_marks(made),
             *break_marks(made),
@@ -142,7 +144,7 @@ class Parameters(Family):
             Share(name="ridge", view="pavilion", start=axis, end=(lower[0] + lower[1]) / 2, at=ridge,
                   parameter="ridge"),
             Place(name="kite", view="pavilion", at=kites[kites[:, 0].argmin()], parameter="kite"),
-            slope("kite angle", "width", shield, points[rings["culet"]][0] * np.array([0.0, 0.0, 1.0])),
+            slope(steep, "width", shield, points[rings["culet"]][0] * np.array([0.0, 0.0, 1.0])),
         )  # fmt: skip
 
 
