@@ -109,6 +109,7 @@ def fancy_stone(
     *,
     size_source: str | None = None,
     passes_over: bool = False,
+    suggests: bool = True,
     **facts: Any,
 ) -> tuple[Stone, FancyReport]:
     """Make the stone that a report of a shape describes.
@@ -120,6 +121,8 @@ def fancy_stone(
     ----------
     shape, values, size, size_source, passes_over
         As of `read_fancy_report`.
+    suggests : bool
+        Whether the error of a cut that makes no stone says what would do, which takes its time.
     **facts
         Fields of `Stone`, such as its name.
 
@@ -153,7 +156,8 @@ def fancy_stone(
             except InputError:
                 continue
         report = read(values)
-    return _stone(report, partial(stone_of, report.cut), facts), report
+    make = partial(stone_of, report.cut) if suggests else report.cut.stone
+    return _stone(report, make, facts), report
 
 
 def _stone(report: FancyReport, make: Callable[..., Stone], facts: Mapping[str, Any]) -> Stone:

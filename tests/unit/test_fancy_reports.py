@@ -26,7 +26,7 @@ FAMILIES = {name: kind for name, kind in families().items() if issubclass(kind, 
 #: Proportions [%] and lengths [mm] after a few hundred operations.
 SUM = 1e4 * ROUNDING
 #: What a row states is kept in a dozen numbers [bytes].
-MOST_BYTES_A_ROW = 150
+MOST_BYTES_A_ROW = 250
 
 #: The report of the project's issue, and one of another shape in another shop's words.
 HEADER = "Report No,Shape,Carat,Measurements,Table %,Depth %,Girdle,Culet,Star,Crown Angle,Pavilion Angle"
