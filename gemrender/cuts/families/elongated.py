@@ -27,6 +27,7 @@ from gemrender.cuts.construction.brilliant import Girdle, brilliant, widths
 from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.heights import CROWN_ANGLE, PAVILION_ANGLE
 from gemrender.cuts.families.parameters import Alternative, choice, girdle_thickness, parameter
+from gemrender.cuts.girdle_words import read_culet
 from gemrender.cuts.marks import Mark, Place, Share
 
 __all__ = ["ElongatedBrilliant", "shoulder_mark", "tips", "wing_marks"]
@@ -73,7 +74,7 @@ class ElongatedBrilliant(Family):
     star, lower_half : float
         Lengths of stars and lower halves, as of round brilliants [%].
     culet : float
-        Width of the culet [% of the width]; 0 for a point.
+        Width of the culet [% of the width], or a laboratory's words; 0 for a point.
     mains : {4, 6, 8}
         Number of pavilion mains: all; none at the ends; none at ends and belly.
     """
@@ -90,7 +91,7 @@ class ElongatedBrilliant(Family):
     pavilion_depth: float = parameter(25.0, 65.0, default=43.8)
     star: float = parameter(20.0, 80.0, default=50.0)
     lower_half: float = parameter(30.0, 95.0, default=75.0)
-    culet: float = parameter(0.2, 20.0, default=0.0, or_zero=True)
+    culet: float = parameter(0.2, 20.0, default=0.0, or_zero=True, words=read_culet)
     mains: int = choice(4, 6, 8, default=8, why="the commonest")
 
     @staticmethod

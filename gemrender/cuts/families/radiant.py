@@ -36,6 +36,7 @@ from gemrender.cuts.construction.meet_points import plane_through, points_at
 from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.heights import CROWN_ANGLE, PAVILION_ANGLE
 from gemrender.cuts.families.parameters import Alternative, choice, girdle_thickness, parameter
+from gemrender.cuts.girdle_words import read_culet
 from gemrender.cuts.marks import Mark, Place, Share, break_marks, corner_mark, slope, usual_marks
 
 __all__ = ["FAMILY", "Parameters"]
@@ -80,7 +81,7 @@ class Parameters(Family):
         By how much the kites are less steep than a straight line from the culet to the girdle, at a side or
         at a corner [%].
     culet : float
-        Width of the culet, from side to side [% of the width]; 0 for a point.
+        Width of the culet, from side to side [% of the width], or a laboratory's words; 0 for a point.
 
     Raises
     ------
@@ -103,7 +104,7 @@ class Parameters(Family):
     ridge: float = parameter(50.0, 75.0, default=60.0)
     kite: float = parameter(20.0, 60.0, default=40.0)
     bulge: float = parameter(10.0, 35.0, default=20.0)
-    culet: float = parameter(0.2, 5.0, default=0.0, or_zero=True)
+    culet: float = parameter(0.2, 5.0, default=0.0, or_zero=True, words=read_culet)
 
     @classmethod
     def construct(cls, **values: Any) -> Construction:
