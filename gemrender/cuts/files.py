@@ -46,7 +46,7 @@ from gemrender.reading import (
 )
 from gemrender.stone import Stone
 
-__all__ = ["bundled_stones", "load_stone", "load_stones", "save_vertices"]
+__all__ = ["bundled_stones", "load_stone", "load_stones", "read_cut", "save_vertices"]
 
 #: Keys of each section. Of `_SHAPES`, some of which are no sections, a file has exactly one.
 _SECTIONS: dict[str, tuple[str, ...]] = {
@@ -311,8 +311,33 @@ def _mesh(top: dict[str, Any], toml: Path, mistakes: Mistakes) -> tuple[Path, st
     return _named_file(values["file"], toml, "mesh.file", _a_file(SOLID_KINDS)), up
 
 
+def read_cut(values: object) -> tuple[Any, tuple[str, ...]]:
+    """Return the cut that a section [cut] describes, by its family and parameters, and what was taken.
+
+    Raises
+    ------
+    InputError
+        No such family, or what `from_values` refuses.
+    """
+    kind, stated = _stated_cut(values)
+    with located_at(None, "cut"):
+        return from_values(kind, stated)
+
+
 def _cut(values: object, size: StatedSize | None, source: str) -> _Made:
-    """Return what makes the stone of [cut], a family by its name and its parameters."""
+    """Return what makes the stone of [cut], with the proportions that its millimetres give."""
+    kind, stated = _stated_cut(values)
+    by_size: dict[str, float] = {}
+    if size is not None:
+        with located_at(None, "size"):
+            by_size = size.proportions(kind, stated)
+    with located_at(None, "cut"), nullcontext() if size is None else size.blamed(by_size, source):
+        cut, assumed = from_values(kind, stated | by_size)
+    return partial(stone_of, cut, assumed=assumed), stated_keys(kind)
+
+
+def _stated_cut(values: object) -> tuple[Any, dict[str, Any]]:
+    """Return the family that [cut] names, and what it states of the cut."""
     known = families()
     allowed = ", ".join(f'"{name}"' for name in known)
     with located_at(None, "cut"):
@@ -324,14 +349,7 @@ def _cut(values: object, size: StatedSize | None, source: str) -> _Made:
         if kind is None:
             guess = did_you_mean(folded, list(known))
             raise InputError(f"must be one of {allowed}{guess}", key="family", value=family)
-    stated = {key: value for key, value in values.items() if key != "family"}
-    by_size: dict[str, float] = {}
-    if size is not None:
-        with located_at(None, "size"):
-            by_size = size.proportions(kind, stated)
-    with located_at(None, "cut"), nullcontext() if size is None else size.blamed(by_size, source):
-        cut, assumed = from_values(kind, stated | by_size)
-    return partial(stone_of, cut, assumed=assumed), stated_keys(kind)
+    return kind, {key: value for key, value in values.items() if key != "family"}
 
 
 def _named_file(value: object, toml: Path, key: str, what: str) -> Path:
