@@ -11,7 +11,7 @@ from typing import Any
 from gemrender.cuts.families.stated import read_values, stated_keys
 from gemrender.cuts.families.suggest import stone_of
 from gemrender.cuts.girdle_words import read_culet, read_girdle
-from gemrender.cuts.laboratory import REPORT_KEYS, WORDS_TOLERANCE, Assumed
+from gemrender.cuts.laboratory import REPORT_KEYS, Assumed
 from gemrender.cuts.shape_words import Shape
 from gemrender.cuts.size import StatedSize
 from gemrender.errors import InputError
@@ -22,8 +22,10 @@ __all__ = ["FancyReport", "fancy_keys", "fancy_stone", "read_fancy_report"]
 
 #: What stands for the depth.
 _DEPTH = ("depth", "pavilion_depth", "pavilion_angle")
-#: Steps in which a girdle in words is made thicker.
-_STEPS = 6
+#: By how much the thick places of a girdle may exceed a round brilliant's of the same word [%], and steps on
+#: the way there. The word is judged at the thinnest places between the mains, and how far the thick ones are
+#: above these depends on the outline; the figure is inferred.
+_MOST_THICKER, _STEPS = 3.0, 12
 #: Other names that reports have for keys of families.
 _SAME = ("girdle", "girdle_thickness")
 
@@ -114,8 +116,7 @@ def fancy_stone(
 ) -> tuple[Stone, FancyReport]:
     """Make the stone that a report of a shape describes.
 
-    A girdle that is known by its word alone is as much thicker as the cut needs to be one, within what the
-    word may mean.
+    A girdle that is known by its word alone is as much thicker as the cut needs, within limits.
 
     Parameters
     ----------
@@ -147,7 +148,7 @@ def fancy_stone(
         for k in range(_STEPS + 1):
             try:
                 if k:
-                    thickness = read_girdle(words).thickness + k * WORDS_TOLERANCE / _STEPS
+                    thickness = read_girdle(words).thickness + k * _MOST_THICKER / _STEPS
                     why = f"of '{' '.join(words.casefold().split())}', as thin as the cut can be"
                     report = read(others | {"girdle_thickness": thickness})
                     taken = Assumed("girdle", thickness, why)

@@ -43,6 +43,8 @@ CARAT_ROUNDING = 0.005
 #: What the heights of a round brilliant in per cent, rounded as reports do, leave of its depth [%].
 _HEIGHTS = PERCENT_ROUNDING["depth"] + 3 * PERCENT_ROUNDING["crown_height"]
 _CARAT_MG = 200.0
+#: What the depth of a cut of a family is the sum of [% of the width].
+_PARTS = ("crown_height", "girdle_thickness", "pavilion_depth")
 #: Rounding of a stone's corners [stone's unit].
 _SAME = 1e-9
 
@@ -107,9 +109,10 @@ class StatedSize:
         if width is None and length and ratio:
             width = length / ratio
         if self.is_even(kind):
-            width = self._evened(length, width)
+            length = width = self._evened(length, width)
         if "depth" in known and self.depth_mm and width:
-            made |= self._depth_of(width, values)
+            shorter = min(width, length or width)  # what per cent are of
+            made |= self._depth_of(shorter, values)
         return made
 
     def depth_of_round(self, values: Mapping[str, Any]) -> dict[str, float]:
@@ -313,19 +316,23 @@ def _own_ratio(kind: Any) -> float:
 
 def _box(stone: Stone) -> dict[str, float]:
     """Return length, width and depth of a stone in its own unit."""
+    cut = stone.cut
+    ratio = getattr(cut, "length_to_width", 0.0)
+    if isinstance(cut, Family) and ratio and all(hasattr(cut, part) for part in _PARTS):
+        # Without the stone's corners, which take longer: the longer side is two units.
+        length, width = (2.0, 2.0 / ratio) if ratio >= 1.0 else (2.0 * ratio, 2.0)
+        depth = sum(getattr(cut, part) for part in _PARTS) / 100.0 * min(length, width)
+        return dict(zip(LENGTHS, (length, width, depth), strict=True))
     if stone.is_round:
         width = length = 2.0
     else:
         width, length = np.ptp(stone.solid.vertices[:, :2], axis=0).tolist()
-        if not isinstance(stone.cut, Family):
+        if not isinstance(cut, Family):
             width, length = min(width, length), max(width, length)
         # The longer side is two units by definition, but for rounding, and for stones that are turned.
         width, length = (2.0 if abs(side - 2.0) <= _SAME else side for side in (width, length))
-    return {
-        "length_mm": length,
-        "width_mm": width,
-        "depth_mm": float(np.ptp(stone.solid.vertices[:, 2])),
-    }
+    depth = float(np.ptp(stone.solid.vertices[:, 2]))
+    return dict(zip(LENGTHS, (length, width, depth), strict=True))
 
 
 def _number(value: object) -> float | None:
