@@ -26,8 +26,7 @@ from gemrender.cuts.construction import Construction
 from gemrender.cuts.construction.brilliant import Girdle, brilliant, widths
 from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.heights import CROWN_ANGLE, PAVILION_ANGLE
-from gemrender.cuts.families.parameters import Alternative, choice, girdle_thickness, parameter
-from gemrender.cuts.girdle_words import read_culet
+from gemrender.cuts.families.parameters import Alternative, choice, culet, girdle_thickness, parameter
 from gemrender.cuts.marks import Mark, Place, Share
 
 __all__ = ["ElongatedBrilliant", "shoulder_mark", "tips", "wing_marks"]
@@ -91,7 +90,7 @@ class ElongatedBrilliant(Family):
     pavilion_depth: float = parameter(25.0, 65.0, default=43.8)
     star: float = parameter(20.0, 80.0, default=50.0)
     lower_half: float = parameter(30.0, 95.0, default=75.0)
-    culet: float = parameter(0.2, 20.0, default=0.0, or_zero=True, words=read_culet)
+    culet: float = culet()
     mains: int = choice(4, 6, 8, default=8, why="the commonest")
 
     @staticmethod

@@ -34,8 +34,7 @@ from gemrender.cuts.construction.break_crown import (
 )
 from gemrender.cuts.construction.meet_points import points_at
 from gemrender.cuts.families.family import Family
-from gemrender.cuts.families.parameters import Alternative, choice, girdle_thickness, parameter
-from gemrender.cuts.girdle_words import read_culet
+from gemrender.cuts.families.parameters import Alternative, choice, culet, girdle_thickness, parameter
 from gemrender.cuts.laboratory import ROUNDING
 from gemrender.cuts.marks import Mark, Share, break_marks, corner_mark, slope, tilt, usual_marks
 
@@ -154,7 +153,7 @@ class Parameters(Family):
     side_length: float = parameter(40.0, 65.0, default=50.0, why=_AGS)
     tip: float = parameter(6.0, 25.0, default=10.0, why=_AGS)
     bulge: float = parameter(15.0, 90.0, default=70.0)
-    culet: float = parameter(0.2, 5.0, default=0.0, or_zero=True, words=read_culet)
+    culet: float = culet(high=5.0)
 
     @classmethod
     def construct(cls, **values: Any) -> Construction:

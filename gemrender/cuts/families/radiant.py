@@ -35,8 +35,7 @@ from gemrender.cuts.construction.break_crown import (
 from gemrender.cuts.construction.meet_points import plane_through, points_at
 from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.heights import CROWN_ANGLE, PAVILION_ANGLE
-from gemrender.cuts.families.parameters import Alternative, choice, girdle_thickness, parameter
-from gemrender.cuts.girdle_words import read_culet
+from gemrender.cuts.families.parameters import Alternative, culet, girdle_thickness, parameter
 from gemrender.cuts.marks import Mark, Place, Share, break_marks, corner_mark, slope, usual_marks
 
 __all__ = ["FAMILY", "Parameters"]
@@ -104,7 +103,7 @@ class Parameters(Family):
     ridge: float = parameter(50.0, 75.0, default=60.0)
     kite: float = parameter(20.0, 60.0, default=40.0)
     bulge: float = parameter(10.0, 35.0, default=20.0)
-    culet: float = parameter(0.2, 5.0, default=0.0, or_zero=True, words=read_culet)
+    culet: float = culet(high=5.0)
 
     @classmethod
     def construct(cls, **values: Any) -> Construction:
