@@ -21,7 +21,7 @@ from gemrender.scene.placing import frame, place, towards
 from gemrender.scene.setup import CAMERAS, POSES, Camera, Setup, Sky, load_setup
 from gemrender.stone import tessellate
 
-STONES = [load_stone(name) for name in bundled_stones()]
+STONES = [stone for stone in map(load_stone, bundled_stones()) if stone.proportions is not None]
 ROW = [load_stone(name) for name in ("inoue-1", "inoue-3", "tolkowsky")]
 AZIMUTHS = [-90.0, 0.0, 37.0, 180.0, 250.0]
 
