@@ -4,8 +4,9 @@
 
 Each row of scripts/reports.csv is a diamond whose report, as a dealer or a newspaper has published it, states
 measurements in millimetres and a weight, and, where the columns say so, table, crown height and girdle. All
-else is the family's own: the bulge of a pavilion, the shoulders of an oval, most girdles. Then the weight is
-volume times density. Beside it stands the weight by the trade's formula (length x width x depth x a factor).
+else is the family's own: the bulge of a pavilion, the shoulders of an oval, most girdles (of rounds `ROUND`).
+Then the weight is volume times density. Beside it stands the weight by the trade's formula (length x width x
+depth x a factor), without its corrections.
 
 A weight in hundredths of a carat is known to half a hundredth, 2 % of a stone of 0.25 ct, and girdles that
 are not stated are worth 3 to 8 % (Esslinger, below): single stones differ by more than 3 %, the mean of a
@@ -35,10 +36,8 @@ from typing import Any
 import numpy as np
 
 from gemrender.cuts.families import families
-from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.stated import from_values
-from gemrender.cuts.laboratory import read_report
-from gemrender.cuts.size import read_size
+from gemrender.cuts.measurements import read_size
 from gemrender.optics import load_material
 
 ROWS = Path(__file__).with_name("reports.csv")
@@ -65,17 +64,15 @@ def weigh(row: dict[str, str]) -> float:
     stated: dict[str, Any] = {key: float(row[key]) for key in ("table", "crown_height") if row[key]}
     if row["girdle"]:
         stated["girdle"] = row["girdle"]
+    if row["shape"] == "round":
+        stated = ROUND | stated
     kind = families()["round brilliant" if row["shape"] == "round" else row["shape"]]
-    if issubclass(kind, Family):
-        stone = from_values(kind, stated | size.proportions(kind, stated))[0].stone()
-        unit = float(row["length_mm"]) / 2.0
-    else:
-        unit = (float(row["length_mm"]) + float(row["width_mm"])) / 4.0
-        depth = 50.0 * float(row["depth_mm"]) / unit
-        stone = read_report({"depth": depth, **ROUND, **stated}).proportions.stone()
+    cut = from_values(kind, stated | size.proportions(kind, stated))[0]
+    stone = size.sized(cut.stone())
     density = load_material("diamond").density
     assert density is not None
-    return float(stone.solid.volume * unit**3 * density / CARAT_MG)
+    assert stone.size_mm is not None
+    return float(stone.solid.volume * (stone.size_mm / 2.0) ** 3 * density / CARAT_MG)
 
 
 def by_formula(row: dict[str, str]) -> float:
@@ -109,7 +106,7 @@ def main() -> int:
     parser.add_argument("--csv", type=Path, default=ROWS, metavar="FILE")
     parser.add_argument("--allowed", type=float, default=ALLOWED, metavar="PER CENT")
     options = parser.parse_args()
-    rows = [row for row in read_rows(options.csv) if _known(row["shape"])]
+    rows = read_rows(options.csv)
     print(f"{'':10}{'measurements [mm]':>21}{'published':>11}{'ours':>8}{'':>8}{'formula':>10}")
     near = 0
     for row in rows:
@@ -126,10 +123,6 @@ def main() -> int:
         failed |= count >= ENOUGH and abs(mean) > options.allowed
         print(f"{shape:10} mean of {count}: {mean:+.1f} %")
     return int(failed)
-
-
-def _known(shape: str) -> bool:
-    return shape == "round" or shape in families()
 
 
 if __name__ == "__main__":

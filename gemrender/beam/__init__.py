@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from gemrender.beam.budget import Budget, check_limits
+from gemrender.beam.budget import Budget, MemoryBudget, check_limits
 from gemrender.beam.facets import FacetStatus, VirtualFacets, trace_facets
 from gemrender.beam.measure import BOUND_RANGE, check_bound, measure
 from gemrender.beam.prepare import damaged_cache_files, is_compiled, prepare
@@ -12,6 +12,7 @@ __all__ = [
     "BOUND_RANGE",
     "Budget",
     "FacetStatus",
+    "MemoryBudget",
     "VirtualFacets",
     "beam_stone",
     "check_bound",

@@ -11,7 +11,7 @@ import numpy as np
 
 from gemrender.errors import InputError
 
-__all__ = ["MEMORY_RANGE", "PAUSED", "TIME_RANGE", "Budget", "check_limits", "no_limits"]
+__all__ = ["MEMORY_RANGE", "PAUSED", "TIME_RANGE", "Budget", "MemoryBudget", "check_limits", "no_limits"]
 
 #: Allowed ranges of the limits [s], [GiB].
 TIME_RANGE = (0.1, 86_400.0)
@@ -144,10 +144,13 @@ class Budget:
         """Return the same limits, running from now."""
         return Budget(self.time_limit, self.memory_limit)
 
+    def _limits(self) -> np.ndarray:
+        return np.array([0.0, self.memory_limit * _GIB / _COPIES, _HALF_FULL])
+
     @contextmanager
     def polygon_limits(self) -> Iterator[np.ndarray]:
         """Give `trace_polygons` its limits, and raise them while it runs and time passes."""
-        limits = np.array([0.0, self.memory_limit * _GIB / _COPIES, _HALF_FULL])
+        limits = self._limits()
         ended = threading.Event()
 
         def watch() -> None:
@@ -165,3 +168,30 @@ class Budget:
         finally:
             ended.set()
             watcher.join()
+
+
+class MemoryBudget(Budget):
+    """A budget of memory alone: what it leaves to rays is the same on every machine, however fast it is.
+
+    Parameters
+    ----------
+    memory_limit : float
+        As of `Budget` [GiB].
+    """
+
+    def __init__(self, memory_limit: float) -> None:
+        super().__init__(TIME_RANGE[1], memory_limit)
+
+    @property
+    def seconds(self) -> float:
+        """Time that counts [s]: none."""
+        return 0.0
+
+    def anew(self) -> MemoryBudget:
+        """Return the same limit."""
+        return MemoryBudget(self.memory_limit)
+
+    @contextmanager
+    def polygon_limits(self) -> Iterator[np.ndarray]:
+        """Give `trace_polygons` its limits, which stay as they are."""
+        yield self._limits()

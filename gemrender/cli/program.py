@@ -16,6 +16,7 @@ import typer
 from typer.core import TyperGroup
 
 from gemrender.cli.about import doctor, materials, setups, stones
+from gemrender.cli.atlas import atlas
 from gemrender.cli.compare import compare
 from gemrender.cli.convert import convert
 from gemrender.cli.crosscheck import crosscheck
@@ -61,8 +62,8 @@ app = typer.Typer(
 )
 
 for _command in (
-    score, compare, sensitivity, show, report, render, symmetry, tilt, tolerance, crosscheck, scene, convert,
-    inspect, stones, setups, materials, measures, doctor,
+    score, compare, sensitivity, show, report, render, symmetry, tilt, tolerance, atlas, crosscheck, scene,
+    convert, inspect, stones, setups, materials, measures, doctor,
 ):  # fmt: skip
     app.command()(_command)
 

@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import nullcontext
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
+from functools import partial
 from typing import Any
 
 from gemrender.cuts.families.stated import read_values, stated_keys
+from gemrender.cuts.families.suggest import stone_of
 from gemrender.cuts.girdle_words import read_culet, read_girdle
-from gemrender.cuts.laboratory import REPORT_KEYS, Assumed
+from gemrender.cuts.laboratory import REPORT_KEYS, WORDS_TOLERANCE, Assumed
 from gemrender.cuts.shape_words import Shape
 from gemrender.cuts.size import StatedSize
 from gemrender.errors import InputError
+from gemrender.reading import located_at
+from gemrender.stone import Stone
 
-__all__ = ["FancyReport", "fancy_keys", "read_fancy_report"]
+__all__ = ["FancyReport", "fancy_keys", "fancy_stone", "read_fancy_report"]
 
 #: What stands for the depth.
 _DEPTH = ("depth", "pavilion_depth", "pavilion_angle")
+#: Steps in which a girdle in words is made thicker.
+_STEPS = 6
 #: Other names that reports have for keys of families.
 _SAME = ("girdle", "girdle_thickness")
 
@@ -53,7 +59,7 @@ def read_fancy_report(
     values: Mapping[str, Any],
     size: StatedSize | None = None,
     *,
-    source: str | None = None,
+    size_source: str | None = None,
     passes_over: bool = False,
 ) -> FancyReport:
     """Make the cut that a report of a shape describes.
@@ -66,7 +72,7 @@ def read_fancy_report(
         By key of `fancy_keys`: numbers [%, deg]; girdle and culet may be words.
     size : StatedSize, optional
         Its millimetres, which give length over width and the depth.
-    source : str, optional
+    size_source : str, optional
         The file whose section [size] states them.
     passes_over : bool
         Whether keys that the family has nothing for are passed over, as in tables of many shapes.
@@ -85,12 +91,77 @@ def read_fancy_report(
         known = stated_keys(kind)
         over = tuple(key for key in stated if key not in known)
         stated = {key: value for key, value in stated.items() if key in known}
-    made = {} if size is None else size.proportions(kind, stated)
+    made: dict[str, float] = {}
+    if size is not None:
+        with nullcontext() if size_source is None else located_at(size_source, "size"):
+            made = size.proportions(kind, stated)
     if missing := _missing(kind, stated | made):
         raise InputError(f"needs {missing}")
-    with nullcontext() if size is None else size.blamed(made, source):
+    with nullcontext() if size is None else size.blamed(made, size_source):
         cut, assumed = read_values(kind, {**shape.fixed, **stated, **made})
     return FancyReport(cut, (*assumed, *by_words), over)
+
+
+def fancy_stone(
+    shape: Shape,
+    values: Mapping[str, Any],
+    size: StatedSize | None = None,
+    *,
+    size_source: str | None = None,
+    passes_over: bool = False,
+    suggests: bool = True,
+    **facts: Any,
+) -> tuple[Stone, FancyReport]:
+    """Make the stone that a report of a shape describes.
+
+    A girdle that is known by its word alone is as much thicker as the cut needs to be one, within what the
+    word may mean.
+
+    Parameters
+    ----------
+    shape, values, size, size_source, passes_over
+        As of `read_fancy_report`.
+    suggests : bool
+        Whether the error of a cut that makes no stone says what would do, which takes its time.
+    **facts
+        Fields of `Stone`, such as its name.
+
+    Returns
+    -------
+    (Stone, FancyReport)
+        The stone, without its size, and what was read.
+
+    Raises
+    ------
+    InputError
+        As `read_fancy_report`, or the cut makes no stone.
+    """
+
+    def read(values: Mapping[str, Any]) -> FancyReport:
+        return read_fancy_report(shape, values, size, size_source=size_source, passes_over=passes_over)
+
+    report = read(values)
+    words = next((values[key] for key in _SAME if isinstance(values.get(key), str)), "")
+    if words and read_girdle(words).words:
+        others = {key: value for key, value in values.items() if key not in _SAME}
+        for k in range(_STEPS + 1):
+            try:
+                if k:
+                    thickness = read_girdle(words).thickness + k * WORDS_TOLERANCE / _STEPS
+                    why = f"of '{' '.join(words.casefold().split())}', as thin as the cut can be"
+                    report = read(others | {"girdle_thickness": thickness})
+                    taken = Assumed("girdle", thickness, why)
+                    report = replace(report, assumed=(taken, *report.assumed))
+                return _stone(report, report.cut.stone, facts), report
+            except InputError:
+                continue
+        report = read(values)
+    make = partial(stone_of, report.cut) if suggests else report.cut.stone
+    return _stone(report, make, facts), report
+
+
+def _stone(report: FancyReport, make: Callable[..., Stone], facts: Mapping[str, Any]) -> Stone:
+    return make(assumed=tuple(map(str, report.assumed)), **facts)
 
 
 def _missing(kind: Any, known: Mapping[str, Any]) -> str:

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from gemrender.cuts.families.stated import stated_keys
-from gemrender.cuts.families.suggest import stone_of
-from gemrender.cuts.fancy_reports import FancyReport, read_fancy_report
+from gemrender.cuts.fancy_reports import FancyReport, fancy_stone
 from gemrender.cuts.shape_words import Shape
 from gemrender.cuts.size import StatedSize
 from gemrender.stone import Stone
@@ -28,7 +27,7 @@ class FancyRow:
     shape : Shape
         The shape.
     values : mapping
-        As `read_fancy_report` takes them.
+        As `fancy_stone` takes them.
     size : StatedSize or None
         Millimetres and weight.
     """
@@ -43,10 +42,9 @@ class FancyRow:
         Raises
         ------
         InputError
-            As `read_fancy_report`, or the cut makes no stone of the size.
+            As `fancy_stone`, or it is not of the size.
         """
-        report = read_fancy_report(self.shape, self.values, self.size, passes_over=True)
-        stone = stone_of(report.cut, assumed=tuple(map(str, report.assumed)), **facts)
+        stone, report = fancy_stone(self.shape, self.values, self.size, passes_over=True, **facts)
         if self.size is not None:
             stone = self.size.sized(stone, stated_keys(self.shape.kind), needs_density=False)
         return stone, report

@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable
 from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +18,7 @@ from gemrender.cuts.content import DESIGN_KINDS, SOLID_KINDS, kind_of_file
 from gemrender.cuts.families import families
 from gemrender.cuts.families.stated import from_values, stated_keys
 from gemrender.cuts.families.suggest import stone_of
-from gemrender.cuts.fancy_reports import fancy_keys, read_fancy_report
+from gemrender.cuts.fancy_reports import fancy_keys, fancy_stone
 from gemrender.cuts.laboratory import DEFAULTS, REPORT_KEYS, missing_parts, read_report
 from gemrender.cuts.load import load_design_file
 from gemrender.cuts.measurements import SIZE_KEYS, read_size
@@ -44,7 +46,7 @@ from gemrender.reading import (
 )
 from gemrender.stone import Stone
 
-__all__ = ["bundled_stones", "load_stone", "load_stones", "save_vertices"]
+__all__ = ["bundled_stones", "load_stone", "load_stones", "read_cut", "save_vertices"]
 
 #: Keys of each section. Of `_SHAPES`, some of which are no sections, a file has exactly one.
 _SECTIONS: dict[str, tuple[str, ...]] = {
@@ -173,35 +175,33 @@ def _from_toml(path: Path) -> Stone:
         )
     else:
         assert made is not None
-        cut, assumed, agreed = made
+        make, agreed = made
         with located_at(source, shape):
-            stone = stone_of(
-                cut, name=str(name), material=material, source=source, description=shape, assumed=assumed
-            )
+            stone = make(name=str(name), material=material, source=source, description=shape)
     if size is None:
         return stone
     with located_at(source, "size"):
         return size.sized(stone, agreed)
 
 
-#: A cut, what was assumed of it, and the proportions that agree with the millimetres.
-_Made = tuple[Any, tuple[str, ...], tuple[str, ...]]
+#: What makes the stone of its facts, and the proportions that agree with the millimetres.
+_Made = tuple[Callable[..., Stone], tuple[str, ...]]
 
 
 def _reported(
     top: dict[str, Any], shape: str, size: StatedSize | None, source: str, mistakes: Mistakes
 ) -> _Made | None:
-    """Return the cut that [report], [angles] or [proportions] gives; none where it has mistakes."""
+    """Return what makes the stone of [report], [angles] or [proportions]; nothing where it has mistakes."""
     is_report = shape == "report" or (shape == "angles" and _is_report(top[shape]))
     if is_report and isinstance(top[shape], dict) and "shape" in top[shape]:
         with located_at(None, shape):
             word = read_shape(str(top[shape]["shape"]))
         if not word.is_round_brilliant:
             values = section(top, shape, fancy_keys(word.kind), _home, mistakes)
-            mistakes.refuse()
-            with located_at(None, shape):
-                report = read_fancy_report(word, values, size, source=source)
-            return report.cut, tuple(map(str, report.assumed)), stated_keys(word.kind)
+            return (
+                lambda **facts: fancy_stone(word, values, size, size_source=source, **facts)[0],
+                stated_keys(word.kind),
+            )
     return _round_brilliant(top, shape, is_report, size, source, mistakes)
 
 
@@ -229,10 +229,11 @@ def _round_brilliant(
                 if missing_parts(values | by_size):
                     return None
                 report = read_report(values | by_size)
-                return report.cut, tuple(map(str, report.assumed)), ("depth",)
+                assumed = tuple(map(str, report.assumed))
+                return partial(stone_of, report.cut, assumed=assumed), ("depth",)
             if len(values) == len(keys):
                 make = RoundBrilliant if shape == "proportions" else RoundBrilliant.from_angles
-                return make(**values), (), ()
+                return partial(stone_of, make(**values)), ()
             checked_values(values)
             return None
 
@@ -310,8 +311,33 @@ def _mesh(top: dict[str, Any], toml: Path, mistakes: Mistakes) -> tuple[Path, st
     return _named_file(values["file"], toml, "mesh.file", _a_file(SOLID_KINDS)), up
 
 
+def read_cut(values: object) -> tuple[Any, tuple[str, ...]]:
+    """Return the cut that a section [cut] describes, by its family and parameters, and what was taken.
+
+    Raises
+    ------
+    InputError
+        No such family, or what `from_values` refuses.
+    """
+    kind, stated = _stated_cut(values)
+    with located_at(None, "cut"):
+        return from_values(kind, stated)
+
+
 def _cut(values: object, size: StatedSize | None, source: str) -> _Made:
-    """Return the cut that [cut] describes, a family by its name and its parameters."""
+    """Return what makes the stone of [cut], with the proportions that its millimetres give."""
+    kind, stated = _stated_cut(values)
+    by_size: dict[str, float] = {}
+    if size is not None:
+        with located_at(None, "size"):
+            by_size = size.proportions(kind, stated)
+    with located_at(None, "cut"), nullcontext() if size is None else size.blamed(by_size, source):
+        cut, assumed = from_values(kind, stated | by_size)
+    return partial(stone_of, cut, assumed=assumed), stated_keys(kind)
+
+
+def _stated_cut(values: object) -> tuple[Any, dict[str, Any]]:
+    """Return the family that [cut] names, and what it states of the cut."""
     known = families()
     allowed = ", ".join(f'"{name}"' for name in known)
     with located_at(None, "cut"):
@@ -323,14 +349,7 @@ def _cut(values: object, size: StatedSize | None, source: str) -> _Made:
         if kind is None:
             guess = did_you_mean(folded, list(known))
             raise InputError(f"must be one of {allowed}{guess}", key="family", value=family)
-    stated = {key: value for key, value in values.items() if key != "family"}
-    by_size: dict[str, float] = {}
-    if size is not None:
-        with located_at(None, "size"):
-            by_size = size.proportions(kind, stated)
-    with located_at(None, "cut"), nullcontext() if size is None else size.blamed(by_size, source):
-        cut, assumed = from_values(kind, stated | by_size)
-    return cut, assumed, stated_keys(kind)
+    return kind, {key: value for key, value in values.items() if key != "family"}
 
 
 def _named_file(value: object, toml: Path, key: str, what: str) -> Path:

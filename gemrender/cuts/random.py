@@ -40,8 +40,8 @@ def random_member(kind: type[Family], rng: np.random.Generator) -> Family:
                 values[part.name] = float(rng.uniform(*part.metadata["range"]))
                 if part.metadata["or_zero"] and rng.random() < 0.5:
                     values[part.name] = 0.0
-        cut = kind(**values)
         try:
+            cut = kind(**values)
             cut.stone()
         except InputError:
             continue

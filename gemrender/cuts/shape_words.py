@@ -75,11 +75,17 @@ _WORDS: dict[str, str] = {
 }  # fmt: skip
 
 _SQUARE = {"length_to_width": 1.0}
-#: What a word in a shape's name says of a parameter of its family, where that is not stated.
+_BRILLIANT, _MODIFIED = {"style": "brilliant"}, {"style": "modified brilliant"}
+#: What a word in a shape's name says of a parameter of its family, where that is not stated; the later ones
+#: count more.
 _SAYS: dict[str, dict[str, dict[str, Any]]] = {
-    "cushion": {"square": _SQUARE, "sq": _SQUARE},
-    "radiant": {"square": _SQUARE, "sq": _SQUARE},
-}
+    "cushion": {
+        "square": _SQUARE, "sq": _SQUARE, "scmb": _SQUARE | _MODIFIED, "rcsb": _SQUARE | _BRILLIANT,
+        "brilliant": _BRILLIANT, "cb": _BRILLIANT,
+        "modified": _MODIFIED, "cmb": _MODIFIED, "rcrmb": _MODIFIED,
+    },
+    "radiant": {"square": _SQUARE, "sq": _SQUARE, "sr": _SQUARE, "sqr": _SQUARE},
+}  # fmt: skip
 #: Words that say nothing.
 _SILENT = {"cut", "shape", "shaped", "diamond"}
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -42,6 +43,8 @@ CARAT_ROUNDING = 0.005
 #: What the heights of a round brilliant in per cent, rounded as reports do, leave of its depth [%].
 _HEIGHTS = PERCENT_ROUNDING["depth"] + 3 * PERCENT_ROUNDING["crown_height"]
 _CARAT_MG = 200.0
+#: Rounding of a stone's corners [stone's unit].
+_SAME = 1e-9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -103,16 +106,16 @@ class StatedSize:
                 ratio = made.get("length_to_width", kind.__dataclass_fields__["length_to_width"].default)
         if width is None and length and ratio:
             width = length / ratio
-        if self.is_even(kind) and length and width:
-            width = 0.5 * (length + width)
+        if self.is_even(kind):
+            width = self._evened(length, width)
         if "depth" in known and self.depth_mm and width:
             made |= self._depth_of(width, values)
         return made
 
     def depth_of_round(self, values: Mapping[str, Any]) -> dict[str, float]:
         """Return the depth [% of the mean diameter] that the millimetres of a round stone make."""
-        sides = [side for side in (self.length_mm, self.width_mm) if side]
-        return self._depth_of(sum(sides) / len(sides), values) if sides and self.depth_mm else {}
+        diameter = self._evened(*self.sides())
+        return self._depth_of(diameter, values) if diameter and self.depth_mm else {}
 
     def _depth_of(self, width: float, values: Mapping[str, Any]) -> dict[str, float]:
         """Return the depth [% of the width] that the millimetres make where it is not stated."""
@@ -123,12 +126,19 @@ class StatedSize:
         return {} if "depth" in values else {"depth": by_mm}
 
     def sides(self, kind: Any = None) -> tuple[float | None, float | None]:
-        """Return length and width [mm]; the longer one first, unless the family knows wider ones."""
+        """Return length and width [mm], in whichever order they are stated: the longer one first.
+
+        Of a family that may be wider than long, as triangles are, the order is that which is more like the
+        family's own example: reports do not say which side they measure.
+        """
         length, width = self.length_mm, self.width_mm
+        if not length or not width:
+            return length, width
+        longer, shorter = max(length, width), min(length, width)
         part = getattr(kind, "__dataclass_fields__", {}).get("length_to_width")
-        if length and width and not (part is not None and part.metadata["range"][0] < 1.0):
-            return max(length, width), min(length, width)
-        return length, width
+        if part is not None and part.metadata["range"][0] < 1.0 and _own_ratio(kind) < 1.0:
+            return shorter, longer
+        return longer, shorter
 
     @staticmethod
     def is_even(kind: Any) -> bool:
@@ -177,7 +187,7 @@ class StatedSize:
             return error
         key, value = self.told["depth_mm" if error.key == "depth" else "length_mm"]
         unit = " %" if error.key == "depth" else ""
-        words = f"makes the {_label(error.key)} {made[error.key]:.4g}{unit}; it {error.allowed}"
+        words = f"makes the {_label(error.key)} {made[error.key]:.4g}{unit}: {error.allowed}"
         told = InputError(words, key=key, value=value)
         return told if source is None else told.at(source, "size")
 
@@ -205,7 +215,7 @@ class StatedSize:
         stated = dict(zip(LENGTHS, (*self.sides(kind), self.depth_mm), strict=True))
         even = own["length_mm"] / own["width_mm"] <= SQUARE
         if even and (kind is None or self.is_even(kind)):
-            stated |= self._evened(stated)
+            stated |= {"length_mm": self._evened(*self.sides()), "width_mm": None}
         scales = {key: value / own[key] for key, value in stated.items() if value}
         size: float | None = None
         if scales:
@@ -227,19 +237,18 @@ class StatedSize:
             raise InputError(words, key=told, value=value)
         return replace(stone, size_mm=size)
 
-    def _evened(self, stated: Mapping[str, float | None]) -> dict[str, float | None]:
-        """Return the mean diameter of a round or square stone in place of length and width."""
-        length, width = stated["length_mm"], stated["width_mm"]
+    def _evened(self, length: float | None, width: float | None) -> float | None:
+        """Return the mean diameter of a round or square stone."""
         if not length or not width:
-            return {"length_mm": length or width, "width_mm": None}
-        if max(length, width) / min(length, width) > SQUARE:
+            return length or width
+        if max(length, width) > SQUARE * min(length, width):
             key, value = self.told["length_mm"]
             raise InputError(
                 f"must be at most {SQUARE:g} times the width: the cut is as wide as long",
                 key=key,
                 value=value,
             )
-        return {"length_mm": 0.5 * (length + width), "width_mm": None}
+        return 0.5 * (length + width)
 
     def _check_box(
         self,
@@ -295,6 +304,13 @@ class StatedSize:
         return replace(stone, notes=(*stone.notes, note.replace("%", " %")))
 
 
+@cache
+def _own_ratio(kind: Any) -> float:
+    """Return the length over the width of a family's own example."""
+    width, length = np.ptp(kind().construction().points[:, :2], axis=0).tolist()
+    return float(length / width)
+
+
 def _box(stone: Stone) -> dict[str, float]:
     """Return length, width and depth of a stone in its own unit."""
     if stone.is_round:
@@ -303,6 +319,8 @@ def _box(stone: Stone) -> dict[str, float]:
         width, length = np.ptp(stone.solid.vertices[:, :2], axis=0).tolist()
         if not isinstance(stone.cut, Family):
             width, length = min(width, length), max(width, length)
+        # The longer side is two units by definition, but for rounding, and for stones that are turned.
+        width, length = (2.0 if abs(side - 2.0) <= _SAME else side for side in (width, length))
     return {
         "length_mm": length,
         "width_mm": width,

@@ -122,7 +122,7 @@ class StoneTable(Stones):
                 try:
                     row = TableRow(self.columns, cells, dialect)
                     name = self._name(row.values.pop("name", ""), number)
-                    made = row.read(lacks)
+                    made = row.read(lacks, suggests=first is None)
                 except InputError as error:
                     bad.append(number)
                     if first is None:

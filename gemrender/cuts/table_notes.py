@@ -22,6 +22,9 @@ class TableNotes:
     def __init__(self) -> None:
         self._counts: Counter[tuple[str, str, str]] = Counter()
         self.used: set[str] = set()
+        # Of each family in how many rows parameters were taken as its own, and which.
+        self._own_rows: Counter[str] = Counter()
+        self._own: dict[str, Counter[str]] = {}
         self._passed_over: Counter[str] = Counter()
         self._rows_passed_over = 0
         self._weights: list[int] = []
@@ -36,7 +39,8 @@ class TableNotes:
         own = [one for one in row.report.assumed if _is_of_family(one)]
         self.count(one for one in row.report.assumed if one not in own)
         if own:
-            self._counts[f"{family}:", ", ".join(f"{one.what} {one.told}" for one in own), OWN] += 1
+            self._own_rows[family] += 1
+            self._own.setdefault(family, Counter()).update(f"{one.what} {one.told}" for one in own)
         self._passed_over.update(row.report.passed_over)
         self._rows_passed_over += bool(row.report.passed_over)
         if row.notes:
@@ -49,10 +53,16 @@ class TableNotes:
         if unused := [title for title in columns.unused if title not in titles]:
             yield f"columns not used: {', '.join(unused)}"
         yield from _assumed(self._counts, rows)
+        for family, number in self._own_rows.most_common():
+            own = ", ".join(
+                words if count == number else f"{words} in {count} of them"
+                for words, count in self._own[family].items()
+            )
+            yield f"assumed in {number} of {rows} rows: {family}: {own} {OWN}"
         if self._rows_passed_over:
             keys = ", ".join(key.replace("_", " ") for key, _ in self._passed_over.most_common())
-            number = f"{self._rows_passed_over} of {rows} rows"
-            yield f"not used in {number}, whose shapes have no such part: {keys}"
+            some = f"{self._rows_passed_over} of {rows} rows"
+            yield f"not used in {some}, whose shapes have no such part: {keys}"
         if self._weights:
             share = f"{WEIGHT_TOLERANCE:.0%}".replace("%", " %")
             yield (

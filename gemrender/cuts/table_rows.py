@@ -68,8 +68,15 @@ class TableRow:
             }
             self.material = _material(self.values)
 
-    def read(self, lacks: str) -> Report | FancyRow:
-        """Read the report of the row; of a round stone `lacks` says which columns there are none of.
+    def read(self, lacks: str, *, suggests: bool = True) -> Report | FancyRow:
+        """Read the report of the row.
+
+        Parameters
+        ----------
+        lacks : str
+            Which columns there are none of that a round stone needs.
+        suggests : bool
+            As of `fancy_stone`.
 
         Raises
         ------
@@ -80,7 +87,7 @@ class TableRow:
             _join_girdle(self.values)
             shape = read_shape(self.values["shape"]) if "shape" in self.values else None
             if shape is not None and not shape.is_round_brilliant:
-                return self._fancy(shape)
+                return self._fancy(shape, suggests)
             if lacks:
                 word = self.values.get("shape", ...)
                 raise InputError(f"is round, and needs columns for {lacks}", key="shape", value=word)
@@ -88,11 +95,11 @@ class TableRow:
             self._find_diameter()
             return report
 
-    def _fancy(self, shape: Shape) -> FancyRow:
+    def _fancy(self, shape: Shape, suggests: bool) -> FancyRow:
         sizes: dict[str, Any] = {}
         for key, cell in self._others.items():
             value = _other(key, cell, self._dialect)
-            if value is None:
+            if value is None or not _may_be(shape.kind, key, value):
                 continue
             (sizes if key in SIZE_KEYS else self.values)[key] = value
             self.used.add(key)
@@ -101,7 +108,7 @@ class TableRow:
         if in_mm and sizes.keys() - {"carat", "depth_mm"}:
             sizes.setdefault("depth_mm", self.values.pop("depth"))
         row = FancyRow(shape, self.values, read_size(sizes) if sizes else None)
-        stone, self.report = row.stone(material=self.material)
+        stone, self.report = row.stone(suggests=suggests, material=self.material)
         self.size_mm, self.notes = stone.size_mm or 0.0, stone.notes
         self.used -= set(self.report.passed_over)
         return row
@@ -135,6 +142,13 @@ class TableRow:
 
 
 # ---- Cells ---------------------------------------------------------------------------------------------
+
+
+def _may_be(kind: Any, key: str, value: str | float) -> bool:
+    """Whether a word may be meant for a choice of a family: lists have columns such as Style of their own."""
+    part = getattr(kind, "__dataclass_fields__", {}).get(key)
+    words = part.metadata.get("allowed", ()) if part is not None else ()
+    return key in SIZE_ALIASES or not isinstance(value, str) or value.strip().casefold() in words
 
 
 def _other(key: str, cell: str, dialect: Dialect) -> str | float | None:

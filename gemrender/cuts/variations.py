@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, fields, replace
 from decimal import Decimal, InvalidOperation
 from functools import cache
@@ -33,8 +33,10 @@ __all__ = [
     "SETTINGS",
     "Variations",
     "all_settings",
+    "check_keys",
     "parse_setting",
     "settings_of",
+    "varied",
     "vary",
 ]
 
@@ -223,7 +225,7 @@ class Variations(Stones):
         return {key: setting[key] for key in self.keys}
 
     def _stone(self, i: int) -> Stone:
-        return _varied(self._base, self._setting(i))
+        return varied(self._base, self._setting(i))
 
 
 def vary(
@@ -264,27 +266,40 @@ def vary(
         if not len(values):
             raise InputError("has no value", key=key)
         axes[key] = tuple(values)
-    for one, other in _SAME:
-        if one in axes and other in axes:
-            raise InputError(f"{one} and {other} are one thing; set only one of them", key=other)
+    check_keys(base, axes)
     count = math.prod(len(values) for values in axes.values())
     if count > MOST_VARIATIONS:
         numbers = " x ".join(str(len(values)) for values in axes.values())
         raise InputError(
             f"make {numbers} = {count} stones; at most {MOST_VARIATIONS} are allowed", key="settings"
         )
-    is_made = base.proportions is not None or isinstance(base.cut, Family)
-    if not is_made and (measured := [key for key in axes if key not in _MATERIAL]):
-        raise InputError(
-            "cannot be set: the stone is not made from proportions",
-            source=base.source or base.name,
-            key=measured[0],
-        )
     _check(base, axes)
     made = Variations(base, axes)
     if isinstance(base.cut, Family):
         _check_made(made, axes)
     return made
+
+
+def check_keys(stone: Stone, keys: Collection[str]) -> None:
+    """See that these keys can be set of a stone, all of them together.
+
+    Raises
+    ------
+    InputError
+        Unknown key, two for one thing, or proportions of a measured stone.
+    """
+    for key in keys:
+        _check_key(key, key, settings_of(stone))
+    for one, other in _SAME:
+        if one in keys and other in keys:
+            raise InputError(f"{one} and {other} are one thing; set only one of them", key=other)
+    is_made = stone.proportions is not None or isinstance(stone.cut, Family)
+    if not is_made and (measured := [key for key in keys if key not in _MATERIAL]):
+        raise InputError(
+            "cannot be set: the stone is not made from proportions",
+            source=stone.source or stone.name,
+            key=measured[0],
+        )
 
 
 def _check(base: Stone, axes: Mapping[str, Sequence[Value]]) -> None:
@@ -329,7 +344,14 @@ def _check_made(stones: Variations, axes: Mapping[str, Sequence[Value]]) -> None
             ) from error
 
 
-def _varied(base: Stone, setting: Mapping[str, Value]) -> Stone:
+def varied(base: Stone, setting: Mapping[str, Value]) -> Stone:
+    """Return a stone with values set, by keys that `check_keys` allows.
+
+    Raises
+    ------
+    InputError
+        The values make no stone.
+    """
     words = " ".join(f"{key}={_shown(value)}" for key, value in setting.items())
     made: dict[str, Any] = {
         "name": f"{base.name} {words}".strip(),

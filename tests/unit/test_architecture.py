@@ -39,7 +39,20 @@ LAYERS: list[dict[str, set[str]]] = [
     {"scoring": {"numpy"}},
     {"mapping": {"numpy"}},
     {"crosscheck": {"numpy"}, "stereo": {"numpy"}},
-    {"sweep": {"numpy", "drjit"}},
+    {
+        "sweep": {
+            "numpy",
+            "scipy",
+            "drjit",
+            "xarray",
+            "zarr",
+            "fsspec",
+            "h5netcdf",
+            "h5py",
+            "dask",
+            "distributed",
+        }
+    },
     {"report": {"numpy", "matplotlib", "mpl_toolkits", "rich", "OpenEXR", "colour"}},
     {"cli": {"numpy", "typer", "rich"}},
     {"__main__": set()},

@@ -264,6 +264,19 @@ def test_stones_lists_the_bundled_ones(gemrender):
     assert [row.split()[0] for row in rows] == ["Name", *bundled_stones()]
 
 
+def test_stones_lists_those_of_a_family(gemrender):
+    status, out, _ = gemrender("stones", "--family", "OV", "--format", "json")
+    assert status == 0
+    records = json.loads(out)
+    assert records
+    assert {record["family"] for record in records} == {"oval"}
+    of_all = json.loads(gemrender("stones", "--format", "json")[1])
+    assert all(list(record) == list(records[0]) for record in of_all)
+    status, _, err = gemrender("stones", "--family", "x")
+    assert (status, err.count("\n")) == (2, 1)
+    assert err.startswith("gemrender: --family = 'x': must be one of round brilliant, ")
+
+
 @pytest.mark.parametrize("arguments", [["--help"], ["-h"], ["score", "-h"], ["crosscheck", "--help"]])
 def test_help_is_no_error(arguments, gemrender):
     status, out, err = gemrender(*arguments)

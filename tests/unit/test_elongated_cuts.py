@@ -8,7 +8,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from gemrender.cuts import RoundBrilliant
+from gemrender.cuts import RoundBrilliant, load_stone
 from gemrender.cuts.construction.outlines import circle, ellipse, marquise, pear
 from gemrender.cuts.families import families
 from gemrender.cuts.families import marquise as marquises
@@ -161,7 +161,9 @@ def test_an_oval_as_long_as_wide_is_a_round_brilliant():
         "girdle_thickness": 3.0,
     }
     round_planes = RoundBrilliant(**numbers, lower_girdle_contact=20.0).stone().solid.planes
-    cut = ovals.Parameters(length_to_width=1.0, table_elongation=1.0, lower_half=80.0, **numbers)
+    cut = ovals.Parameters(
+        length_to_width=1.0, shoulder=0.0, table_elongation=1.0, lower_half=80.0, **numbers
+    )
     planes = cut.planes()[[kind != "girdle" for kind in cut.construction().kinds]]
     assert len(planes) == len(round_planes)
     assert np.abs(planes[:, None] - round_planes).max(axis=2).min(axis=1).max() <= ROUNDING
@@ -228,6 +230,31 @@ def test_a_report_of_an_oval_makes_it():
     parts = cut.crown_height + cut.girdle_thickness + cut.pavilion_depth
     assert parts == pytest.approx(62.2, abs=MEASURED)
     assert "mains 8 (the commonest)" in taken
+
+
+@pytest.mark.parametrize(
+    ("name", "ratio", "factor"),
+    [
+        *(("oval", ratio, 0.0062) for ratio in (1.25, 1.4, 1.5)),
+        *(("marquise", ratio, factor) for ratio, factor in ((1.75, 0.0057), (2.0, 0.0058))),
+        *(("pear", ratio, factor) for ratio, factor in ((1.25, 0.00615), (1.5, 0.006), (1.66, 0.0059))),
+    ],
+)
+def test_weights_are_those_of_the_formulas_of_the_trade(name, ratio, factor):
+    """Factors of Gemgate and Esslinger, as cited in `elongated`: carat by millimetres."""
+    cut = families()[name](length_to_width=ratio)
+    length, width = 2.0, 2.0 / ratio
+    depth = width * (cut.crown_height + cut.girdle_thickness + cut.pavilion_depth) / 100
+    base = ((length + width) / 2) ** 2 if name == "oval" else length * width
+    carat = cut.stone().solid.volume * 3.52 / 200
+    assert carat == pytest.approx(factor * base * depth, rel=0.03)
+
+
+def test_an_oval_weighs_what_its_report_says():
+    """A diamond of 1.01 carat, 8.13 x 5.61 mm, with table and depth (Diamond Screener, "Oval Cut ...")."""
+    stone = load_stone("oval-classic")
+    carat = stone.solid.volume * (8.13 / 2) ** 3 * 3.52 / 200
+    assert carat == pytest.approx(1.01, rel=0.03)
 
 
 def test_the_culet_of_a_pear_lies_on_the_belly_or_nearer_to_the_point():

@@ -435,6 +435,11 @@ TEXTS = [
     lines(ROW, ROW).encode(),
     lines(tuple(TRADE.values()), header=tuple(TRADE)).encode(),
     lines(("a", *ROW), header=("name", *ANGLES), delimiter=";").replace(".", ",").encode(),
+    lines(
+        ("oval", "8.10 x 5.95 x 3.70 mm", 57, 62.2, "medium", "none", "1.36", 1.08, 8),
+        ("EM", "7.50-5.40x3.55", 65, "", "thin", "", "", "", ""),
+        header=("shape", "measurements", "table", "depth", "girdle", "culet", "L/W", "carat", "mains"),
+    ).encode(),
 ]
 
 

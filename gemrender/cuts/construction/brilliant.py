@@ -19,7 +19,7 @@ import numpy as np
 
 from gemrender.cuts.construction.meet_points import Construction, height_of, plane_through, points_at
 
-__all__ = ["Girdle", "add_crown", "add_girdle", "add_pavilion", "brilliant"]
+__all__ = ["Girdle", "add_crown", "add_girdle", "add_pavilion", "brilliant", "widths"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +79,8 @@ def brilliant(
     lower_half : number
         Lower-half length: share of the way from the girdle to the axis (0 to 1).
     culet : number
-        Width of the culet [share of the outline's width]; 0 for a point.
+        Size of the culet [share of the mains' level section at the girdle, which is as wide as the outline
+        where mains stand at its widest places; else see `widths`]; 0 for a point.
     mains : sequence of int, optional
         Girdle points that pavilion mains stand at; by default every other one, below the bezels.
     axis : pair of number
@@ -193,7 +194,7 @@ def add_pavilion(
     steps = np.diff([*mains, mains[0] + count])
     centre = np.array(axis)
     # Mains meet in one point, below the culet where there is one.
-    apex = points_at(centre, top - depth / (1.0 - culet * _widths(girdle, mains)))
+    apex = points_at(centre, top - depth / (1.0 - culet))
     foot = points_at(feet[mains], top)
     planes = plane_through(foot, foot + points_at(girdle.tangents[mains], 0.0), apex)
     after = np.roll(planes, -1, axis=0)
@@ -238,6 +239,21 @@ def add_girdle(stone: Construction, upper: np.ndarray, lower: np.ndarray, girdle
         stone.facet("girdle", (bottom[k], bottom[after], top[after], top[k]))
 
 
+def widths(girdle: Girdle, mains: Sequence[int]) -> Any:
+    """Return the width of the outline over that of the mains' level section at the girdle."""
+    mains = list(mains)
+    feet, along = girdle.feet[mains], girdle.tangents[mains]
+    lines = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    offsets = (lines * feet).sum(axis=1)
+    pairs = np.stack([lines, np.roll(lines, -1, axis=0)], axis=1)
+    both = np.stack([offsets, np.roll(offsets, -1)], axis=1)
+    x = np.linalg.solve(pairs, both[..., None])[:, 0, 0]
+    across = girdle.feet[:, 0]
+    return (across[across.real.argmax()] - across[across.real.argmin()]) / (
+        x[x.real.argmax()] - x[x.real.argmin()]
+    )
+
+
 def _halves(edge: np.ndarray, tips: np.ndarray, painting: Any) -> tuple[np.ndarray, np.ndarray]:
     """Return a girdle's edge (2n, pieces, 3) and the halves' planes (2n, 4), through these tips (2n, 3).
 
@@ -265,20 +281,6 @@ def _risen(edge: np.ndarray, halves: np.ndarray) -> np.ndarray:
     """Return a girdle's edge (2n, pieces, 3) with the points between girdle points on the halves (2n, 4)."""
     between = points_at(edge[:, 1:, :2], height_of(halves[:, None], edge[:, 1:, :2]))
     return np.concatenate([edge[:, :1], between], axis=1)
-
-
-def _widths(girdle: Girdle, mains: Sequence[int]) -> Any:
-    """Return the width of the outline over that of the mains' level section at the girdle."""
-    feet, along = girdle.feet[mains], girdle.tangents[mains]
-    lines = np.stack([-along[:, 1], along[:, 0]], axis=1)
-    offsets = (lines * feet).sum(axis=1)
-    pairs = np.stack([lines, np.roll(lines, -1, axis=0)], axis=1)
-    both = np.stack([offsets, np.roll(offsets, -1)], axis=1)
-    x = np.linalg.solve(pairs, both[..., None])[:, 0, 0]
-    across = girdle.feet[:, 0]
-    return (across[across.real.argmax()] - across[across.real.argmin()]) / (
-        x[x.real.argmax()] - x[x.real.argmin()]
-    )
 
 
 def _share(contacts: np.ndarray, apex: np.ndarray, height: Any) -> np.ndarray:

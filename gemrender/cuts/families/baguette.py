@@ -1,4 +1,12 @@
-"""The baguette: a rectangle without cut corners, straight or tapered, in steps."""
+"""The baguette: a rectangle without cut corners, straight or tapered, in steps.
+
+"Unbeveled corners, usually only two rows of facets": bijandiamonds.com, "Baguette"; three on the crown of a
+classical one: mgc-labs.ru, "Baguette cut". Length to width 3 is common (Kenan & Dana Design, "Baguette cut
+diamonds"), side stones are shorter. No source states heights: they are inferred from emerald cuts, somewhat
+flatter and with less bulge, so that it weighs 0.0096 carat/mm3 x length x width x depth, 5 % above the
+0.00915 of the trade's formula for plain stones (3dbook.octonus.com, "Mounting diamonds weight
+determination").
+"""
 
 from __future__ import annotations
 
@@ -10,6 +18,7 @@ from gemrender.cuts.construction.steps import profile, step_cut, trapezoid
 from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.heights import CROWN_ANGLE, PAVILION_ANGLE
 from gemrender.cuts.families.parameters import Alternative, choice, girdle_thickness, parameter
+from gemrender.cuts.marks import Length, Mark, step_marks, usual_marks
 
 __all__ = ["FAMILY", "Parameters"]
 
@@ -81,3 +90,14 @@ class Parameters(Family):
                 plan.reach,
             ),
         )
+
+    def marks(self) -> tuple[Mark, ...]:
+        """Return what its drawing says at arrows; its narrow end is at -y."""
+        made = self.construction()
+        without = [f"{part} angle at the ends" for part in ("crown", "pavilion")]
+        edge = made.points.real[made.rings["pavilion_0"]]
+        narrow = edge[edge[:, 1] < 0]
+        start, end = narrow[narrow[:, 0].argsort()]
+        taper = Length(name="narrow end", view="pavilion", start=start, end=end, axis=0,
+                       whole=2.0 / self.length_to_width, parameter="taper")  # fmt: skip
+        return (*usual_marks(made, without=without), *step_marks(made), taper)

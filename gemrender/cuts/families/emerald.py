@@ -1,4 +1,17 @@
-"""The emerald cut: a rectangle with cut corners, in steps."""
+"""The emerald cut: a rectangle with cut corners, in steps.
+
+Facets: a table and three rows of eight facets on the crown, three on the pavilion, 49 without the girdle's
+eight; also four and five rows on the pavilion ("Asscher": 49, 57 or 75 facets, mgc-labs.ru; 58 with a girdle,
+prosumerdiamonds.com, "Emerald cut"). Rows of one half are equally wide, seen from above, as a cutter makes
+them: Duncan Miller, "Facetips: a simple emerald cut" (ctminsoc.org.za), with pavilion rows 5 to 10 degrees
+apart and crown rows 15 degrees.
+
+Sources of the defaults: F. Cuellar, "Classes of Cut" (diamondcuttersintl.com), classes I and II of emerald
+cuts: table 53 to 65 %, crown height 11.2 to 16.2 % at 32 to 35 deg, pavilion depth 47.1 to 53.1 % at 43.3 to
+46.8 deg, across the width. Length to width: 1.38 to 1.52 (pobjoydiamonds.com, "Anatomy of an emerald cut
+diamond"), as 17 stones that a dealer lists (`scripts/weigh_reports.py`: 1.36 to 1.46). Bulges and girdle are
+inferred: with them such stones weigh, on average, what their reports say; corners from pictures.
+"""
 
 from __future__ import annotations
 
@@ -50,7 +63,7 @@ class Parameters(Family):
     ALTERNATIVES: ClassVar[tuple[Alternative, ...]] = (CROWN_ANGLE, PAVILION_ANGLE)
 
     length_to_width: float = parameter(1.0, 2.5, default=1.4, unit="")
-    corner: float = parameter(4.0, 30.0, default=12.0, why="the commonest")
+    corner: float = parameter(4.0, 30.0, default=12.0, why="as in pictures")
     table: float = parameter(40.0, 80.0, default=65.0)
     crown_height: float = parameter(6.0, 25.0, default=12.0)
     crown_bulge: float = parameter(0.2, 3.0, default=2.0, why="steps of 46, 34 and 19 deg")

@@ -21,7 +21,7 @@ class Parameters(ElongatedBrilliant):
     """A marquise brilliant.
 
     Its parameters are those of `ElongatedBrilliant`, and two of wings and points. Length to width: 1.75 to
-    2.25 is common (diamonds27.com, "Length to width ratio").
+    2.25 is common (diamonds27.com, "Length to width ratio"), 1.90 to 2.10 preferred (Adamas Studio).
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class Parameters(ElongatedBrilliant):
     """
 
     length_to_width: float = parameter(1.2, 3.0, default=2.0, unit="")
-    wing: float = parameter(-8.0, 8.0, default=2.0, why="what marquises weigh")
+    wing: float = parameter(-8.0, 8.0, default=4.0, why="as full as weights in the trade")
     tips: str = tips()
 
     @classmethod

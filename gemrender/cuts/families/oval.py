@@ -8,7 +8,7 @@ from typing import Any
 from gemrender.cuts.construction import Construction
 from gemrender.cuts.construction.outlines import ellipse
 from gemrender.cuts.families.elongated import ElongatedBrilliant, shoulder_mark
-from gemrender.cuts.families.parameters import parameter
+from gemrender.cuts.families.parameters import girdle_thickness, parameter
 from gemrender.cuts.marks import Mark, usual_marks
 
 __all__ = ["FAMILY", "Parameters"]
@@ -28,9 +28,9 @@ class Parameters(ElongatedBrilliant):
     ----------
     shoulder : float
         How much further out its shoulders are than those of an ellipse, half-way between the ends of width
-        and length [% of the distance from the middle]; less than 0 where they slope. GIA, "Girdle Outline":
-        shoulders "should be gently and evenly rounded", and squared ones make a stone weigh more. 0 is an
-        ellipse; the default is inferred from weights of reports (`scripts/weigh_reports.py`).
+        and length [% of the distance from the middle]; less than 0 where they slope. Fuller by default, for
+        the weight (`elongated`). GIA, "Girdle Outline": shoulders "should be gently and evenly rounded", and
+        squared ones make a stone weigh more.
 
     Raises
     ------
@@ -39,7 +39,8 @@ class Parameters(ElongatedBrilliant):
     """
 
     length_to_width: float = parameter(1.0, 2.5, default=1.4, unit="")
-    shoulder: float = parameter(-6.0, 8.0, default=2.0, why="what ovals weigh")
+    girdle_thickness: float = girdle_thickness(4.5)
+    shoulder: float = parameter(-6.0, 8.0, default=2.5, why="as full as weights in the trade")
 
     @classmethod
     def construct(cls, **values: Any) -> Construction:

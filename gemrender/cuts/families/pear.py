@@ -23,7 +23,7 @@ class Parameters(ElongatedBrilliant):
     """A pear brilliant, its point at +y.
 
     Its parameters are those of `ElongatedBrilliant`, and some of outline, point and culet. Length to width:
-    1.50 to 1.75 is common (diamonds27.com, "Length to width ratio").
+    1.50 to 1.75 is common (diamonds27.com, "Length to width ratio"), 1.50 to 1.65 preferred (Adamas Studio).
 
     Parameters
     ----------
@@ -47,8 +47,8 @@ class Parameters(ElongatedBrilliant):
 
     length_to_width: float = parameter(1.1, 2.5, default=1.55, unit="")
     head: float = parameter(40.0, 60.0, default=50.0, why="half a circle")
-    shoulder: float = parameter(-6.0, 8.0, default=0.0, why="of half an ellipse")
-    wing: float = parameter(-8.0, 8.0, default=0.0, why="arcs of circles")
+    shoulder: float = parameter(-6.0, 8.0, default=2.5, why="as full as weights in the trade")
+    wing: float = parameter(-8.0, 8.0, default=4.0, why="as full as weights in the trade")
     tips: str = tips()
     culet_to_point: float = parameter(-5.0, 15.0, default=0.0, why="on the belly")
 

@@ -36,6 +36,7 @@ from gemrender.cuts.construction.meet_points import points_at
 from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.parameters import Alternative, choice, girdle_thickness, parameter
 from gemrender.cuts.laboratory import ROUNDING
+from gemrender.cuts.marks import Mark, Share, break_marks, corner_mark, slope, tilt, usual_marks
 
 __all__ = ["FAMILY", "Parameters"]
 
@@ -177,6 +178,33 @@ class Parameters(Family):
         lower = add_side_girdle(stone, upper, outline)
         _add_chevrons(stone, lower, half, values)
         return stone
+
+    def marks(self) -> tuple[Mark, ...]:
+        """Return what its drawing says at arrows, on the left side and on the end at +y."""
+        made = self.construction()
+        points, rings = made.points.real, made.rings
+        thickness = points[rings["girdle_upper"], 2].max()
+        edge = np.array([points[:, 0].min(), 0.0, 0.0])
+        crossing = points[rings["break"]]
+        main, tip = points[rings["chevron_0"]][1], points[rings[f"chevron_{self.chevrons}"]][0]
+        axis = np.zeros(3)
+        # The angles of crown and pavilion are those of its rows.
+        without = [f"{part} angle{where}" for part in ("crown", "pavilion") for where in ("", " at the ends")]
+        marks = [
+            *usual_marks(made, without=without),
+            # The table of a rectangle is that of a square, stretched.
+            *(mark for mark in break_marks(made) if self.length_to_width == 1 or mark.name != "star azimuth"),
+            slope("crown angle", "width", edge + np.array([0.0, 0.0, thickness]),
+                  crossing[crossing[:, 0].argmin()], parameter="crown_angle"),
+            slope("side angle", "width", edge, main, parameter="side_angle"),
+            Share(name="side length", view="pavilion", start=edge, end=axis, at=main,
+                  parameter="side_length"),
+            Share(name="tip of chevrons", view="pavilion", start=axis, end=np.array([0.0, 1.0, 0.0]), at=tip,
+                  parameter="tip"),
+        ]  # fmt: skip
+        if self.length_to_width == 1:
+            marks.append(tilt(made, "pavilion_main", "corner angle", "pavilion", parameter="corner_angle"))
+        return (*marks, *([corner_mark(made)] if self.corner else []))
 
 
 def _add_chevrons(

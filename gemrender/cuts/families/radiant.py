@@ -33,6 +33,7 @@ from gemrender.cuts.construction.meet_points import points_at
 from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.heights import CROWN_ANGLE, PAVILION_ANGLE
 from gemrender.cuts.families.parameters import Alternative, girdle_thickness, parameter
+from gemrender.cuts.marks import Mark, Place, Share, break_marks, corner_mark, slope, usual_marks
 
 __all__ = ["FAMILY", "Parameters"]
 
@@ -116,6 +117,24 @@ class Parameters(Family):
         lower = add_side_girdle(stone, upper, outline)
         _add_fans(stone, lower, outline, values)
         return stone
+
+    def marks(self) -> tuple[Mark, ...]:
+        """Return what its drawing says at arrows, on the left side and in the corner beside it."""
+        made = self.construction()
+        points, rings = made.points.real, made.rings
+        axis, edge = np.zeros(3), np.array([points[:, 0].min(), 0.0, 0.0])
+        shield, ridge, kites = points[rings["shield"]][1], points[rings["ridge"]][0], points[rings["kite"]]
+        lower = points[rings["girdle_lower"]]
+        return (
+            *usual_marks(made),
+            *break_marks(made),
+            corner_mark(made),
+            Share(name="shield", view="pavilion", start=edge, end=axis, at=shield, parameter="shield"),
+            Share(name="ridge", view="pavilion", start=axis, end=(lower[0] + lower[1]) / 2, at=ridge,
+                  parameter="ridge"),
+            Place(name="kite", view="pavilion", at=kites[kites[:, 0].argmin()], parameter="kite"),
+            slope("kite angle", "width", shield, points[rings["culet"]][0] * np.array([0.0, 0.0, 1.0])),
+        )  # fmt: skip
 
 
 def _add_fans(stone: Construction, lower: np.ndarray, outline: Corners, values: Mapping[str, Any]) -> None:

@@ -23,6 +23,7 @@ from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.heights import CROWN_ANGLE, PAVILION_ANGLE
 from gemrender.cuts.families.parameters import Alternative, girdle_thickness, parameter
 from gemrender.cuts.girdle_words import CULET_RANGE, read_culet
+from gemrender.cuts.marks import Mark, Place, usual_marks
 from gemrender.cuts.round_brilliant.proportions import RANGES, RoundBrilliant
 from gemrender.errors import InputError
 from gemrender.stone import Stone
@@ -146,6 +147,26 @@ class Parameters(Family):
             crown_painting=values["crown_painting"] * (np.pi / 180.0),
             pavilion_painting=values["pavilion_painting"] * (np.pi / 180.0),
         )
+
+    def marks(self) -> tuple[Mark, ...]:
+        """Return what its drawing says at arrows."""
+        made = self.construction()
+        turned = []
+        for view, kind, name, by in (
+            ("crown", "upper_girdle", "upper halves", "crown_painting"),
+            ("pavilion", "lower_girdle", "lower halves", "pavilion_painting"),
+        ):
+            angle = getattr(self, by)
+            if angle:
+                words = f"{name} {'painted' if angle > 0 else 'dug out'} {abs(angle):.1f}°"
+                halves = [
+                    made.points.real[list(ring)].mean(axis=0)
+                    for other, ring in zip(made.kinds, made.corners, strict=True)
+                    if other == kind
+                ]
+                left = min(halves, key=lambda at: float(at[0]))
+                turned.append(Place(name=words, view=view, at=left, parameter=by))
+        return (*usual_marks(made, is_round=True), *turned)
 
     def stone(self, **facts: Any) -> Stone:
         """Make the stone; `facts` are fields of `Stone` such as its name.

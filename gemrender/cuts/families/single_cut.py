@@ -20,6 +20,7 @@ from gemrender.cuts.families.heights import PAVILION_ANGLE
 from gemrender.cuts.families.parameters import Alternative, girdle_thickness, parameter
 from gemrender.cuts.girdle_words import CULET_RANGE, read_culet
 from gemrender.cuts.laboratory import ROUNDING
+from gemrender.cuts.marks import Length, Mark, Share, tilt, usual_marks
 
 __all__ = ["FAMILY", "Parameters"]
 
@@ -108,3 +109,32 @@ class Parameters(Family):
         if np.real(culet) > 0:
             stone.facet("culet", c[::-1])
         return stone
+
+    def marks(self) -> tuple[Mark, ...]:
+        """Return what its drawing says at arrows; heights and angles are those in the middle of facets."""
+        made = self.construction()
+        points = made.points.real
+        bezel, main = (made.planes.real[made.kinds.index(kind)] for kind in ("bezel", "pavilion_main"))
+        # Where a facet stands furthest out, at the girdle.
+        upper, lower = ((plane[3] - np.hypot(*plane[:2])) / plane[2] for plane in (bezel, main))
+        heights = (points[:, 2].max(), upper, lower, points[:, 2].min())
+        places = np.zeros((4, 3))
+        places[:, 0], places[:, 2] = (self.table / 100.0, _COS, _COS, 0.0), heights
+        without = ("crown height", "girdle", "pavilion depth", "crown angle", "pavilion angle", "culet")
+        names = ("crown height", "girdle", "pavilion depth")
+        keys = ("crown_height", "girdle_thickness", "pavilion_depth")
+        marks: list[Mark] = [
+            *usual_marks(made, is_round=True, without=without),
+            *(Length(name=name, view="width", start=low, end=high, axis=2, whole=2.0, parameter=key)
+              for name, key, high, low in zip(names, keys, places, places[1:], strict=False)),
+            tilt(made, "bezel", "crown angle", "crown", parameter="crown_angle"),
+            tilt(made, "pavilion_main", "pavilion angle", "pavilion", parameter="pavilion_angle"),
+        ]  # fmt: skip
+        if self.culet:
+            culet = points[made.rings["culet"]]
+            at = culet[2:4].mean(axis=0)
+            marks.append(
+                Share(name="culet", view="pavilion", start=culet.mean(axis=0),
+                      end=at * np.array([1.0, 1.0, 0.0]) / np.hypot(*at[:2]), at=at, parameter="culet")
+            )  # fmt: skip
+        return tuple(marks)

@@ -4,9 +4,10 @@ A family states them in its method `marks`: those of every cut are made by `usua
 the classes here. All are measured from the points, so that a drawing shows what the stone is.
 """
 
-from gemrender.cuts.marks.kinds import VIEWS, Angle, Length, Mark, Place, Share, slope
+from gemrender.cuts.marks.breaks import break_marks
+from gemrender.cuts.marks.kinds import VIEWS, Angle, Length, Mark, Place, Share, Tilt, slope
 from gemrender.cuts.marks.steps import corner_mark, step_marks
-from gemrender.cuts.marks.usual import apex, usual_marks
+from gemrender.cuts.marks.usual import apex, tilt, usual_marks
 
 __all__ = [
     "VIEWS",
@@ -15,9 +16,12 @@ __all__ = [
     "Mark",
     "Place",
     "Share",
+    "Tilt",
     "apex",
+    "break_marks",
     "corner_mark",
     "slope",
     "step_marks",
+    "tilt",
     "usual_marks",
 ]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["VIEWS", "Angle", "Length", "Mark", "Place", "Share", "slope"]
+__all__ = ["VIEWS", "Angle", "Length", "Mark", "Place", "Share", "Tilt", "slope"]
 
 #: The views of a drawing, and which way their page's right and up point in the stone's frame: the crown from
 #: above, the pavilion from below, and from the side with the width or the length to the right.
@@ -163,6 +163,33 @@ class Place(Mark):
     """
 
     at: np.ndarray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Tilt(Mark):
+    """The angle of a facet to the girdle plane, told at the facet.
+
+    Attributes
+    ----------
+    at : (3,) float64
+        A place on the facet.
+    normal : (3,) float64
+        Its normal.
+    """
+
+    at: np.ndarray
+    normal: np.ndarray
+
+    @property
+    def value(self) -> float:
+        """The angle [deg]."""
+        x, y, z = self.normal.tolist()
+        return float(np.degrees(np.arctan2(np.hypot(x, y), abs(z))))
+
+    @property
+    def text(self) -> str:
+        """Name and value, as a laboratory rounds it."""
+        return f"{self.name} {self.value:.1f}°"
 
 
 def slope(name: str, view: str, corner: np.ndarray, end: np.ndarray, **more: Any) -> Angle:

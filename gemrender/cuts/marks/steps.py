@@ -27,7 +27,7 @@ def corner_mark(made: Construction, **more: Any) -> Mark:
 
 
 def step_marks(made: Construction) -> tuple[Mark, ...]:
-    """Return the marks of steps between levels that are rings "crown_0", "crown_1" ... and "pavilion_0" ...
+    """Return the marks of steps between levels: rings "crown_0", "crown_1" ..., "pavilion_0" ... and "keel".
 
     The angles are those of the steps at the end of the length, on the left of that view. The bulge is how far
     the level in the middle, of two the one nearer to the girdle, stands out of the line from the girdle to
@@ -38,6 +38,8 @@ def step_marks(made: Construction) -> tuple[Mark, ...]:
     marks: list[Mark] = []
     for part in ("crown", "pavilion"):
         levels = [points[ring] for name, ring in made.rings.items() if name.startswith(f"{part}_")]
+        if part == "pavilion" and "keel" in made.rings:
+            levels.append(points[made.rings["keel"]])
         steps = len(levels) - 1
         ends = [level[level[:, 1].argmin()] for level in levels]
         marks += [slope(f"{part} step {row + 1}", "length", ends[row], ends[row + 1]) for row in range(steps)]
@@ -53,11 +55,11 @@ def step_marks(made: Construction) -> tuple[Mark, ...]:
             Length(name=f"{part} bulge", view="width", start=low, end=high, axis=2, whole=width,
                    is_inside=True, parameter=f"{part}_bulge")
         )  # fmt: skip
-    keel = points[points[:, 2] <= points[:, 2].min() + _SAME]
-    if len(keel) == 2:
-        low, high = keel[keel[:, 1].argsort()]
-        marks.append(
-            Length(name="keel length", view="pavilion", start=low, end=high, axis=1,
-                   whole=float(np.ptp(points[:, 1])), per="length")
-        )  # fmt: skip
+    if "keel" in made.rings:
+        high, low = points[made.rings["keel"]]
+        if high[1] - low[1] > _SAME:
+            marks.append(
+                Length(name="keel length", view="pavilion", start=low, end=high, axis=1,
+                       whole=float(np.ptp(points[:, 1])), per="length")
+            )  # fmt: skip
     return tuple(marks)

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from gemrender.cuts.construction import Construction
-from gemrender.cuts.marks.kinds import Length, Mark, Share, slope
+from gemrender.cuts.marks.kinds import Length, Mark, Share, Tilt, slope
 from gemrender.stone.facets import CROWN, GIRDLE, PAVILION, side_of
 
-__all__ = ["apex", "usual_marks"]
+__all__ = ["apex", "tilt", "usual_marks"]
 
 #: Points whose heights, or distances from the outline's box, differ by less are in one place: rounding.
 _SAME = 1e-9
@@ -21,6 +22,26 @@ def apex(made: Construction) -> np.ndarray:
     """Return where the pavilion mains of a brilliant meet, (3,): the culet, or below it."""
     mains = made.planes.real[[kind == "pavilion_main" for kind in made.kinds]]
     return np.asarray(np.linalg.lstsq(mains[:, :3], mains[:, 3], rcond=None)[0])
+
+
+def tilt(
+    made: Construction,
+    kind: str,
+    name: str,
+    view: str,
+    *,
+    towards: Sequence[float] = (-1.0, 0.5),
+    **more: Any,
+) -> Tilt:
+    """Return the angle of the facet of a kind that lies furthest towards a direction (x, y)."""
+    points = made.points.real
+    middles = {
+        number: points[list(ring)].mean(axis=0)
+        for number, ring in enumerate(made.corners)
+        if made.kinds[number] == kind
+    }
+    facet = max(middles, key=lambda number: float(middles[number][:2] @ towards))
+    return Tilt(name=name, view=view, at=middles[facet], normal=made.planes.real[facet, :3], **more)
 
 
 def usual_marks(
@@ -74,6 +95,9 @@ class _Body:
         lower = on[PAVILION] & (on[GIRDLE] | on[CROWN])
         if is_round:
             upper, lower = (set(made.rings[f"girdle_{edge}"].tolist()) for edge in ("upper", "lower"))
+        if "upper_girdle" in made.kinds:  # of brilliants the places where the mains meet the girdle
+            upper = upper & _points_of(made, "bezel")
+            lower = lower & _points_of(made, "pavilion_main") or lower
         return cls(
             points=points,
             low=low,
@@ -86,12 +110,28 @@ class _Body:
         )
 
     @property
-    def width(self) -> float:
-        return float(self.high[0] - self.low[0])
+    def sides(self) -> np.ndarray:
+        """(2,): the sides of the outline's box, along x and y."""
+        return np.asarray((self.high - self.low)[:2])
 
     @property
-    def length(self) -> float:
-        return float(self.high[1] - self.low[1])
+    def across(self) -> int:
+        """The axis of the width, the shorter side: 0 for x, 1 for y."""
+        return int(self.sides[0] > self.sides[1] + _SAME)
+
+    @property
+    def width(self) -> float:
+        return float(self.sides.min())
+
+
+def _points_of(made: Construction, kind: str) -> set[int]:
+    """Return the points of all facets of a kind."""
+    return {
+        point
+        for other, corners in zip(made.kinds, made.corners, strict=True)
+        if other == kind
+        for point in corners
+    }
 
 
 def _facet(made: Construction, kind: str) -> np.ndarray:
@@ -121,27 +161,25 @@ def _outline(body: _Body, is_round: bool) -> list[Mark]:
             Length(name="diameter", view="crown", start=ends[0], end=ends[1], axis=0, whole=body.width)
         )
     else:
-        for axis, name, more in (
-            (0, "width", {}),
-            (1, "length-to-width", {"parameter": "length_to_width", "is_ratio": True}),
-        ):
-            first, last = _outermost(body.points, axis, (1, -1) if axis == 0 else (0, 1))
-            marks.append(
-                Length(name=name, view="crown", start=first, end=last, axis=axis, whole=body.width, **more)  # type: ignore[arg-type]
-            )
+        first, last = _outermost(body.points, 0, (1, -1))
+        name = "width" if body.across == 0 else "side"
+        marks.append(Length(name=name, view="crown", start=first, end=last, axis=0, whole=body.width))
+        first, last = _outermost(body.points, 1, (0, 1))
+        marks.append(
+            Length(name="length-to-width", view="crown", start=first, end=last, axis=1,
+                   whole=float(body.sides[0]), is_ratio=True, parameter="length_to_width")
+        )  # fmt: skip
     if len(body.table):
-        first, last = _outermost(body.table, 0, (1, 1))
-        words = "table" if is_round else "table width"
-        marks.append(
-            Length(name=words, view="crown", start=first, end=last, axis=0, whole=body.width,
-                   parameter="table")
-        )  # fmt: skip
-    if len(body.table) and not is_round:
-        first, last = _outermost(body.table, 1, (0, 1))
-        marks.append(
-            Length(name="table length", view="crown", start=first, end=last, axis=1, whole=body.length,
-                   per="length", parameter="table_length")
-        )  # fmt: skip
+        for axis in (0,) if is_round else (0, 1):
+            first, last = _outermost(body.table, axis, (1 - axis, 1))
+            is_width = axis == body.across
+            words = "table" if is_round else f"table {'width' if is_width else 'length'}"
+            marks.append(
+                Length(name=words, view="crown", start=first, end=last, axis=axis,
+                       whole=body.width if is_width else float(body.sides.max()),
+                       per="width" if is_width else "length",
+                       parameter="table" if is_width else "table_length")
+            )  # fmt: skip
     return marks
 
 

@@ -33,7 +33,7 @@ _CAPTIONS = {
 #: Room for a caption, and least width of a view [inch].
 _CAPTION, _LEAST = 0.35, 3.0
 #: Width of the tables, and height of a line of the parameters and of one of the tiers [inch].
-_TABLE, _LINE, _TIER = 3.9, 0.29, 0.26
+_TABLE, _LINE, _TIER = 4.5, 0.29, 0.26
 
 
 def family_outline_figure(stone: Stone) -> Figure:
@@ -88,7 +88,8 @@ def family_outline_figure(stone: Stone) -> Figure:
             axes = page.view(x[column], y[row] + _CAPTION, *size, scale=SCALE, centre=centre)
             draw_lines(axes, look_at(stone, projections[view]), PAPER)
             views[view].draw(axes)
-            page.caption(x[column] + inch[0] - wide[column] / 2, y[row] + 0.1, wide[column], _CAPTIONS[view])
+            words = "Side view" if stone.is_round and view == "width" else _CAPTIONS[view]
+            page.caption(x[column] + inch[0] - wide[column] / 2, y[row] + 0.1, wide[column], words)
     if stone.is_round:
         tables.draw_parameters(page.axes(x[1], y[1], _TABLE, high[1]))
         tables.draw_tiers(page.axes(x[1] + _TABLE + 0.4, y[1], _TABLE, high[1]))
@@ -144,7 +145,7 @@ class _Tables:
     def draw_parameters(self, axes: Axes) -> None:
         width, height = axes.get_xlim()[1], axes.get_ylim()[1]
         y = height - 0.45
-        ends = (0.0, 0.75 * width, width)
+        ends = (0.0, 0.67 * width, width)
         axes.text(ends[0], y, "Parameters", fontsize=10.5, color=PAPER.soft)
         axes.text(ends[2], y, "default", fontsize=10.5, color=PAPER.soft, ha="right")
         for name, value, default in self._rows:

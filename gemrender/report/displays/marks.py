@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gemrender.cuts.marks import VIEWS, Angle, Length, Mark, Place, Share
+from gemrender.cuts.marks import VIEWS, Angle, Length, Mark, Place, Share, Tilt
 from gemrender.report.displays.dimension_lines import draw_arc, draw_dimension, draw_row
 from gemrender.report.displays.page import PAPER
 
@@ -170,7 +170,7 @@ class MarkedView:
         """Return where the line from a mark's name ends."""
         if isinstance(mark, Angle):
             return self._flat(mark.corner)
-        if isinstance(mark, Place):
+        if isinstance(mark, Place | Tilt):
             return self._flat(mark.at)
         assert isinstance(mark, Share | Length)
         start, end = self._flat(mark.start), self._flat(mark.end)

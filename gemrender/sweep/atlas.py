@@ -1,0 +1,235 @@
+"""Atlases: scores over a grid or a quasi-random design of parameters, in a store that can be gone on with."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import threading
+import time
+from collections.abc import Callable, Generator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from gemrender.beam import prepare
+from gemrender.errors import InputError
+from gemrender.sweep.atlas_chunk import chunk_values, measure_chunk
+from gemrender.sweep.atlas_plan import AtlasPlan
+from gemrender.sweep.atlas_store import DONE, FAILED, NO_STONE, AtlasStore
+
+__all__ = ["AtlasCost", "AtlasMade", "atlas_cost", "make_atlas"]
+
+#: So many stones without values are told by name.
+_TOLD = 3
+
+_Found = dict[str, np.ndarray]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AtlasMade:
+    """What has become of an atlas.
+
+    Attributes
+    ----------
+    stones, done, no_stone, failed : int
+        Stones of the plan; those with values, those that cannot be made, and those whose measurement failed.
+    measured : int
+        Stones that were measured in this run.
+    seconds : float
+        Time that it took [s].
+    refused : tuple of (str, str)
+        The first few stones without values, as settings, and why.
+    """
+
+    stones: int
+    done: int
+    no_stone: int
+    failed: int
+    measured: int
+    seconds: float
+    refused: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AtlasCost:
+    """What an atlas will cost, from a few of its stones.
+
+    Attributes
+    ----------
+    stones, views, chunks : int
+        Stones of the plan, views of each, and chunks.
+    bytes : int
+        Size before compression [bytes].
+    tried : int
+        Stones that were measured.
+    made : int
+        Those of them that can be made.
+    rate : float
+        Stones a second, of all threads together.
+    seconds : float
+        Time of the whole plan [s].
+    """
+
+    stones: int
+    views: int
+    chunks: int
+    bytes: int
+    tried: int
+    made: int
+    rate: float
+    seconds: float
+
+
+def make_atlas(
+    plan: AtlasPlan,
+    where: str,
+    *,
+    threads: int | None = None,
+    dask: str | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> AtlasMade:
+    """Measure all stones of a plan that its store does not have yet.
+
+    Chunks are measured by the threads of this process, or by the workers of a Dask cluster, in any order; it
+    is this process that writes them. Whoever measures them, and how often it was stopped, the bytes of the
+    store are the same.
+
+    Parameters
+    ----------
+    plan : AtlasPlan
+        The plan (`read_plan`).
+    where : str
+        The store: a folder, or an address that fsspec knows.
+    threads : int, optional
+        Threads; by default one a processor.
+    dask : str, optional
+        Address of a Dask scheduler, or `local` or `local:N` for N processes on this machine.
+    progress : callable, optional
+        Called with the share done, 0 to 1, first with what was there.
+
+    Raises
+    ------
+    InputError
+        The store is of another plan or cannot be written; no scheduler answers.
+    BackendError
+        A package is missing, or the scheduler was lost; what is done is kept.
+    """
+    if threads is not None and threads < 1:
+        raise InputError("must be at least 1", key="threads", value=threads)
+    started = time.monotonic()
+    store = AtlasStore(plan, where)
+    waiting = store.to_do()
+    left, measured = len(waiting), 0
+    if progress is not None:
+        progress(1.0 - left / plan.chunks)
+    if waiting:
+        with contextlib.closing(_results(plan, waiting, threads, dask)) as results:
+            for chunk, found in results:
+                store.write(chunk, found)
+                left -= 1
+                measured += found["status"].size
+                if progress is not None:
+                    progress(1.0 - left / plan.chunks)
+    store.tidy()
+    return _made(store, measured, time.monotonic() - started)
+
+
+def atlas_cost(plan: AtlasPlan, *, threads: int | None = None, stones: int = 48) -> AtlasCost:
+    """Measure a few stones of a plan, spread evenly over it, by all threads, and say what all will cost."""
+    sample = plan.sample(stones)
+    prepare(rays=True)
+
+    def measured(setting: dict[str, Any]) -> bool:
+        try:
+            stone = plan.made(setting)
+        except InputError:
+            return False
+        for tilt in plan.views:
+            chunk_values(plan, stone, tilt)
+        return True
+
+    measured(sample[len(sample) // 2])  # what is worked out once in a process
+    started = time.monotonic()
+    with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
+        made = sum(pool.map(measured, sample))
+    rate = len(sample) / (time.monotonic() - started)
+    return AtlasCost(
+        stones=plan.stones,
+        views=len(plan.views),
+        chunks=plan.chunks,
+        bytes=plan.bytes,
+        tried=len(sample),
+        made=made,
+        rate=rate,
+        seconds=plan.stones / rate,
+    )
+
+
+def _results(
+    plan: AtlasPlan, chunks: Sequence[int], threads: int | None, dask: str | None
+) -> Generator[tuple[int, _Found], None, None]:
+    if dask is None:
+        return _in_threads(plan, chunks, threads or os.cpu_count() or 1)
+    from gemrender.sweep.atlas_dask import in_dask
+
+    return in_dask(plan, chunks, dask)
+
+
+def _in_threads(
+    plan: AtlasPlan, chunks: Sequence[int], threads: int
+) -> Generator[tuple[int, _Found], None, None]:
+    """Measure chunks in threads, few of them ahead; closed, it ends after the stones that are under way."""
+    prepare(rays=True)
+    stopped = threading.Event()
+    work = partial(measure_chunk, plan, is_stopped=stopped.is_set)
+    running: dict[Future[_Found | None], int] = {}
+    waiting = iter(chunks)
+    pool = ThreadPoolExecutor(threads)
+    try:
+        while True:
+            while len(running) < 2 * threads and (chunk := next(waiting, None)) is not None:
+                running[pool.submit(work, chunk)] = chunk
+            if not running:
+                return
+            for future in wait(running, return_when=FIRST_COMPLETED).done:
+                chunk = running.pop(future)
+                if (found := future.result()) is not None:
+                    yield chunk, found
+    finally:
+        stopped.set()
+        pool.shutdown(cancel_futures=True)
+
+
+def _made(store: AtlasStore, measured: int, seconds: float) -> AtlasMade:
+    plan, status = store.plan, store.status()
+    refused = []
+    for number in np.flatnonzero((status == NO_STONE) | (status == FAILED))[:_TOLD]:
+        cell = np.unravel_index(int(number), plan.shape)
+        setting = next(plan.settings(tuple(slice(int(k), int(k) + 1) for k in cell)))
+        words = " ".join(f"{key}={value}" for key, value in setting.items())
+        refused.append((words, _reason(plan, setting)))
+    return AtlasMade(
+        stones=plan.stones,
+        done=int((status == DONE).sum()),
+        no_stone=int((status == NO_STONE).sum()),
+        failed=int((status == FAILED).sum()),
+        measured=measured,
+        seconds=seconds,
+        refused=tuple(refused),
+    )
+
+
+def _reason(plan: AtlasPlan, setting: dict[str, Any]) -> str:
+    """Say why a stone has no values: by trying again."""
+    try:
+        stone = plan.made(setting)
+        for tilt in plan.views:
+            chunk_values(plan, stone, tilt)
+    except InputError as error:
+        return error.allowed
+    except Exception as error:
+        return f"{type(error).__name__}: {error}"
+    return "it failed when it was measured, and does so no more"

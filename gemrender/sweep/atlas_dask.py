@@ -1,0 +1,158 @@
+"""Chunks of an atlas measured by the workers of a Dask cluster."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import re
+from collections.abc import Generator, Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+import gemrender
+from gemrender.errors import BackendError, InputError
+from gemrender.sweep.atlas_chunk import measure_chunk
+from gemrender.sweep.atlas_plan import AtlasPlan
+from gemrender.sweep.workers import MOST_TRIES
+
+if TYPE_CHECKING:
+    import numpy as np
+    from distributed import Client
+
+__all__ = ["in_dask"]
+
+#: How long a scheduler may take to answer, and how long it may have no worker [s].
+_ANSWER_S, _WORKERS_S = 10, 120
+#: Chunks in flight for each thread of the cluster: one under way and one that waits.
+_AHEAD = 2
+
+_log = logging.getLogger("gemrender")
+
+
+def in_dask(
+    plan: AtlasPlan, chunks: Sequence[int], address: str
+) -> Generator[tuple[int, dict[str, np.ndarray]], None, None]:
+    """Measure chunks by the workers of a cluster, few of them ahead; yield them as they come.
+
+    A worker that is lost has its chunk done again by another one, `MOST_TRIES` times. What comes back is
+    small, so that the workers need no access to the store.
+
+    Parameters
+    ----------
+    plan : AtlasPlan
+        The plan, which is sent to the workers.
+    chunks : sequence of int
+        What is to be measured.
+    address : str
+        Of a scheduler, such as tcp://host:8786; or `local` or `local:N` for N processes on this machine.
+
+    Raises
+    ------
+    InputError
+        No scheduler answers there, or it has no worker.
+    BackendError
+        `distributed` is missing, gemrender is missing on a worker or is another one there, a chunk has lost
+        its worker again and again, or the scheduler was lost.
+    """
+    with _client(address) as client, _told(address):
+        from distributed import as_completed
+
+        sent = client.scatter(plan, broadcast=False, hash=False)
+        waiting = iter(chunks)
+        # The chunk by its future's key, so that a future is forgotten, and its result freed, once it is done.
+        running: dict[str, int] = {}
+        futures = as_completed(loop=client.loop)
+
+        def hand_out() -> None:
+            threads = max(sum(client.nthreads().values()), 1)
+            while len(running) < _AHEAD * threads and (chunk := next(waiting, None)) is not None:
+                future = client.submit(
+                    _on_worker,
+                    sent,
+                    chunk,
+                    gemrender.__version__,
+                    pure=False,
+                    key=f"atlas-{id(plan)}-{chunk}",
+                )
+                running[future.key] = chunk
+                futures.add(future)
+
+        hand_out()
+        for future in futures:
+            found = future.result()
+            chunk = running.pop(future.key)
+            future.release()
+            yield chunk, found
+            hand_out()
+        if running:
+            raise BackendError(f"the scheduler {address} was lost; what is done is kept: run it again")
+
+
+def _on_worker(plan: AtlasPlan, chunk: int, version: str) -> Any:
+    if gemrender.__version__ != version:
+        raise BackendError(
+            f"a worker has gemrender {gemrender.__version__}, not {version}; to cure it: install that there"
+        )
+    return measure_chunk(plan, chunk)
+
+
+@contextlib.contextmanager
+def _client(address: str) -> Iterator[Client]:
+    """Connect to a scheduler, or start one with its workers on this machine."""
+    try:
+        import dask
+        from distributed import Client, LocalCluster
+    except ImportError as error:
+        raise BackendError(
+            f"--dask needs distributed ({error}); to cure it: pip install 'gemrender[dask]'"
+        ) from error
+    local = re.fullmatch(r"local(?::(\d+))?", address)
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(dask.config.set({"distributed.scheduler.allowed-failures": MOST_TRIES}))
+        if local:
+            number = None if local[1] is None else int(local[1])
+            if number == 0:
+                raise InputError("must be local, or local:N with N from 1", key="--dask", value=address)
+            address = stack.enter_context(
+                LocalCluster(
+                    n_workers=number, threads_per_worker=1, host="127.0.0.1", dashboard_address=None,
+                    silence_logs=logging.ERROR,
+                )
+            ).scheduler_address  # fmt: skip
+        elif "://" not in address:
+            raise InputError(
+                "must be the address of a scheduler, such as tcp://host:8786, or local or local:N",
+                key="--dask",
+                value=address,
+            )
+        try:
+            client = stack.enter_context(Client(address, timeout=_ANSWER_S, set_as_default=False))
+        except (OSError, ValueError, TimeoutError) as error:
+            raise InputError("no scheduler answers there", key="--dask", value=address) from error
+        try:
+            client.wait_for_workers(1, timeout=_WORKERS_S)
+        except TimeoutError as error:
+            raise InputError("the scheduler has no worker", key="--dask", value=address) from error
+        yield client
+
+
+@contextlib.contextmanager
+def _told(address: str) -> Iterator[None]:
+    """Tell in a line what goes wrong on the cluster's side."""
+    from concurrent.futures import CancelledError as OfThreads
+
+    from distributed import CancelledError, KilledWorker
+    from distributed.comm.core import CommClosedError
+
+    try:
+        yield
+    except KilledWorker as error:
+        raise BackendError(
+            f"workers were lost {MOST_TRIES} times at the same chunk; what is done is kept: give workers "
+            "more memory, and run it again"
+        ) from error
+    except (CancelledError, OfThreads, CommClosedError, TimeoutError) as error:
+        raise BackendError(f"the scheduler {address} was lost; what is done is kept: run it again") from error
+    except ModuleNotFoundError as error:
+        raise BackendError(
+            f"a worker lacks a package ({error}); to cure it: pip install gemrender there"
+        ) from error
