@@ -16,8 +16,6 @@ Sources of the rows, in the order in which they have them, the first ones of a s
     ringbuilder        github.com/danchen4/ringbuilder, data/diamonds.csv: of 1.5 ct and more
     excelUpload        github.com/VanshKothari05/excelUpload, rapnet.csv
     nivoda-shop        a shop's example stones by Nivoda, "0.70ct Emerald Natural Diamond", GIA
-    dummy-stones-data  github.com/uxbyjoao/dummy-stones-data, diamonds.json: of 0.3 ct and more (pears: 0.24;
-                       the only princess), stones offered by Nivoda
     debadas            huggingface.co/datasets/debadas/diamonds: of 0.85 ct and more
     update-diamond     update-diamond.blogspot.com, "Magnificent colored diamond sale", October 2010
 Formulas: Octonus, 3D-Book of Diamonds, "Mounting diamonds weight determination" (3dbook.octonus.com);

@@ -9,8 +9,8 @@ apart and crown rows 15 degrees.
 Sources of the defaults: F. Cuellar, "Classes of Cut" (diamondcuttersintl.com), classes I and II of emerald
 cuts: table 53 to 65 %, crown height 11.2 to 16.2 % at 32 to 35 deg, pavilion depth 47.1 to 53.1 % at 43.3 to
 46.8 deg, across the width. Length to width: 1.38 to 1.52 (pobjoydiamonds.com, "Anatomy of an emerald cut
-diamond"), as 17 stones that a dealer lists (`scripts/weigh_reports.py`: 1.36 to 1.46). Bulges and girdle are
-inferred: with them such stones weigh, on average, what their reports say; corners from pictures.
+diamond"). Bulges and girdle are inferred, so that stones weigh what reports of the market say; corners from
+pictures.
 """
 
 from __future__ import annotations
