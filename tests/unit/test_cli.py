@@ -159,7 +159,11 @@ def test_bad_input_is_one_line_that_says_what_is_allowed(arguments, words, folde
 
 @pytest.mark.parametrize(
     ("slip", "meant"),
-    [("scor inoue-1", "score"), (f"{SCORE} --resoluton 9", "--resolution"), ("score inoue3", "inoue-3, inoue-2 or inoue-1")],
+    [
+        ("scor inoue-1", "score"),
+        (f"{SCORE} --resoluton 9", "--resolution"),
+        ("score inoue3", "inoue-3, inoue-2 or inoue-1"),
+    ],
 )
 def test_a_slip_is_answered_with_what_was_meant(slip, meant, gemrender):
     assert gemrender(*slip.split())[2].endswith(f"; did you mean {meant}?\n")
