@@ -84,7 +84,7 @@ def draw(found: list[BowTie]) -> Figure:
 
     columns = min(3, len(found))
     rows = -(-len(found) // columns)
-    figure = Figure(figsize=(SIZE * columns, (SIZE + 0.6) * rows), dpi=DPI, layout="constrained")
+    figure = Figure(figsize=(SIZE * columns, (SIZE + 0.6) * rows + 0.7), dpi=DPI, layout="constrained")
     places = figure.subplots(rows, columns, squeeze=False).ravel()
     for axes, one in zip(places, found, strict=False):
         draw_map(axes, one)
@@ -92,8 +92,8 @@ def draw(found: list[BowTie]) -> Figure:
         axes.axis("off")
     figure.supxlabel(
         f"Black: light from the viewer's head, {found[0].head_deg:g}° about the eye. Blue: from below the "
-        "horizon. Grey to white: from the sky,\nfrom the horizon up to the head. Between the red lines: the "
-        "belly.",
+        "horizon. Grey to white: from the sky,\nfrom the horizon up to the head. "
+        "To the left and right between the red lines: the belly.",
         fontsize=8,
     )
     return figure

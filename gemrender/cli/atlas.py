@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from gemrender.sweep.atlas import AtlasMade
     from gemrender.sweep.atlas_plan import AtlasPlan
 
-__all__ = ["atlas"]
+__all__ = ["MapOptions", "atlas", "show_atlas"]
 
 #: The word that makes a file of an atlas.
 _EXPORT = "export"
-_WORK = "Work"
+_WORK, MAP = "Work", "Atlas"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,6 +52,29 @@ class WorkerOptions:
             rich_help_panel=_WORK,
         ),
     ] = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MapOptions:
+    """What is shown of an atlas."""
+
+    x: Annotated[
+        str | None,
+        typer.Option("--x", metavar="PARAMETER", help="Of an atlas: to the right.", rich_help_panel=MAP),
+    ] = None
+    y: Annotated[
+        str | None,
+        typer.Option("--y", metavar="PARAMETER", help="Of an atlas: upwards.", rich_help_panel=MAP),
+    ] = None
+    mark: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--mark",
+            metavar="STONE",
+            help="Of an atlas: a stone whose place is marked; may be given several times.",
+            rich_help_panel=MAP,
+        ),
+    ] = None
 
 
 @command
@@ -100,6 +123,44 @@ def atlas(
     with progress_bar(1) as steps:
         made = make_atlas(plan, where, threads=by.threads, dask=by.dask, progress=steps(0, plan.name))
     _tell(made, where)
+
+
+def show_atlas(
+    names: list[str],
+    options: MapOptions,
+    measures: list[str] | None,
+    at: list[str] | None,
+    formats: tuple[str, ...],
+    out: str,
+) -> None:
+    """Draw a map of an atlas for each measure."""
+    from gemrender.cuts import load_stone
+    from gemrender.report.atlas import write_atlas_figure
+    from gemrender.report.atlas_map import atlas_map
+    from gemrender.report.files import prepare_folder
+    from gemrender.sweep.atlas_store import open_atlas
+
+    if len(names) > 1:
+        raise InputError("is one too many; of an atlas, name it alone", key="STONE", value=names[1])
+    fixed = {}
+    for text in at or []:
+        for part in text.replace(";", " ").split():
+            key, equals, value = part.partition("=")
+            if not equals:
+                raise InputError(
+                    "of an atlas it must be PARAMETER=VALUE, such as table=57", key="--at", value=part
+                )
+            fixed[key.replace("-", "_")] = value
+    marks = [load_stone(name) for name in options.mark or []]
+    x, y = (None if name is None else name.replace("-", "_") for name in (options.x, options.y))
+    with open_atlas(names[0]) as found:
+        maps = [atlas_map(found, x, y, measure, fixed) for measure in (measures or (None,))]
+    folder = prepare_folder(out)
+    stem = Path(names[0].rstrip("/")).stem
+    for shown in maps:
+        name = f"{stem}-{shown.measure}-{shown.x}-{shown.y}"
+        for path in write_atlas_figure(shown, folder, name, marks, formats):
+            say(f"written: {path}")
 
 
 def _export(names: list[str], out: str | None) -> None:

@@ -20,6 +20,7 @@ from gemrender.cli.atlas import atlas
 from gemrender.cli.compare import compare
 from gemrender.cli.convert import convert
 from gemrender.cli.crosscheck import crosscheck
+from gemrender.cli.improve import improve
 from gemrender.cli.inspect import inspect
 from gemrender.cli.measures import measures
 from gemrender.cli.output import say
@@ -62,8 +63,8 @@ app = typer.Typer(
 )
 
 for _command in (
-    score, compare, sensitivity, show, report, render, symmetry, tilt, tolerance, atlas, crosscheck, scene,
-    convert, inspect, stones, setups, materials, measures, doctor,
+    score, compare, sensitivity, show, report, render, symmetry, tilt, tolerance, improve, atlas, crosscheck,
+    scene, convert, inspect, stones, setups, materials, measures, doctor,
 ):  # fmt: skip
     app.command()(_command)
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from gemrender.cli.atlas import MapOptions, show_atlas
 from gemrender.cli.groups import command
 from gemrender.cli.options import (
     OUTPUT,
@@ -51,6 +52,7 @@ def show(
     engine: EngineOptions,
     of: MaterialOptions,
     model: ModelOptions,
+    of_atlas: MapOptions,
     chosen: Annotated[
         list[str] | None,
         choice_option(
@@ -62,7 +64,8 @@ def show(
         typer.Option(
             metavar="X,Y",
             help="Point of the top view whose ray is shown, in girdle radii, or half lengths of a stone that "
-            "is not round; may be given several times. By default a bright, a weak and a rear ray.",
+            "is not round; may be given several times. By default a bright, a weak and a rear ray. Of an "
+            "atlas: where another parameter is fixed, as table=57; by default in its middle.",
         ),
     ] = None,
     azimuth: Annotated[
@@ -104,7 +107,15 @@ def show(
     ] = "png",
     out: Annotated[str, output_option("Where to write the pictures.")] = ".",
 ) -> None:
-    """Draw stones: outline, vertices, shape, triangles, rays, a fan, the map, virtual facets."""
+    """Draw stones: outline, vertices, shape, triangles, rays, a fan, the map, virtual facets; or an atlas."""
+    from gemrender.sweep.atlas_store import is_atlas
+
+    if any(map(is_atlas, stones)):
+        show_atlas(stones, of_atlas, measures, at, _FORMATS[form], out)
+        return
+    for option, value in (("--x", of_atlas.x), ("--y", of_atlas.y), ("--mark", of_atlas.mark)):
+        if value:
+            raise InputError("is for atlases", key=option, value=value)
     # Everything is checked before anything is drawn.
     wanted = chosen or ["all"]
     shown = [name for name in _DISPLAYS if name in wanted or "all" in wanted]

@@ -72,7 +72,8 @@ CULET_WORDS: dict[str, float] = {
 #: Widths of a culet that can be made, besides 0 [% of the girdle diameter].
 CULET_RANGE = (0.1, 20.0)
 
-_POINTED = {"none", "non", "no", "n", "pointed", "point", "pnt", "ptd"}
+#: No culet: a point, or a keel, which IGI calls a long culet.
+_POINTED = {"none", "non", "no", "n", "pointed", "point", "pnt", "ptd", "long"}
 _SIZES = {
     "small": ("small", "sml", "sm", "s"),
     "medium": ("medium", "med", "md", "m"),

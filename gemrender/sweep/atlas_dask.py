@@ -56,8 +56,8 @@ def in_dask(
     with _client(address) as client, _told(address):
         from distributed import as_completed
 
-        sent = client.scatter(plan, broadcast=False, hash=False)
         waiting = iter(chunks)
+        # The plan goes with every chunk: what is scattered is lost with the worker that has it.
         # The chunk by its future's key, so that a future is forgotten, and its result freed, once it is done.
         running: dict[str, int] = {}
         futures = as_completed(loop=client.loop)
@@ -67,7 +67,7 @@ def in_dask(
             while len(running) < _AHEAD * threads and (chunk := next(waiting, None)) is not None:
                 future = client.submit(
                     _on_worker,
-                    sent,
+                    plan,
                     chunk,
                     gemrender.__version__,
                     pure=False,
@@ -114,7 +114,7 @@ def _client(address: str) -> Iterator[Client]:
                 raise InputError("must be local, or local:N with N from 1", key="--dask", value=address)
             address = stack.enter_context(
                 LocalCluster(
-                    n_workers=number, threads_per_worker=1, host="127.0.0.1", dashboard_address=None,
+                    n_workers=number, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0",
                     silence_logs=logging.ERROR,
                 )
             ).scheduler_address  # fmt: skip
@@ -141,7 +141,6 @@ def _told(address: str) -> Iterator[None]:
     from concurrent.futures import CancelledError as OfThreads
 
     from distributed import CancelledError, KilledWorker
-    from distributed.comm.core import CommClosedError
 
     try:
         yield
@@ -150,7 +149,7 @@ def _told(address: str) -> Iterator[None]:
             f"workers were lost {MOST_TRIES} times at the same chunk; what is done is kept: give workers "
             "more memory, and run it again"
         ) from error
-    except (CancelledError, OfThreads, CommClosedError, TimeoutError) as error:
+    except (CancelledError, OfThreads, OSError) as error:  # of its connections, too
         raise BackendError(f"the scheduler {address} was lost; what is done is kept: run it again") from error
     except ModuleNotFoundError as error:
         raise BackendError(

@@ -16,6 +16,7 @@ from urllib.parse import unquote, urlparse
 import numpy as np
 
 import gemrender
+from gemrender.cuts.families.family import Family
 from gemrender.errors import BackendError, InputError
 from gemrender.reading import reason
 from gemrender.sweep.atlas_plan import STONES, VIEWS, AtlasPlan, AtlasVariable
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     import zarr
 
 __all__ = [
+    "ROUND_BRILLIANT",
     "DONE",
     "FAILED",
     "NO_STONE",
@@ -36,6 +38,8 @@ __all__ = [
     "open_atlas",
 ]
 
+#: What the attribute `cut` says of round brilliants; of other cuts it has the family's name.
+ROUND_BRILLIANT = "round brilliant"
 #: What `status` says of a stone: NaN stands in all its values but where it is done.
 TO_DO, DONE, NO_STONE, FAILED = range(4)
 _MEANINGS = "to_do done no_stone failed"
@@ -229,11 +233,19 @@ def _attributes(plan: AtlasPlan) -> dict[str, Any]:
         "title": plan.name,
         "source": f"gemrender {gemrender.__version__}, exact engine",
         "gemrender_version": gemrender.__version__,
+        "cut": _cut_of(plan),
         "bound": plan.bound,
         "head": plan.head,
         "material": "diamond" if plan.stone.material is None else plan.stone.material,
         "measures": " ".join(f"{of.name}:{of.version}" for of in plan.measures),
     }
+
+
+def _cut_of(plan: AtlasPlan) -> str:
+    """Name the cut that is varied; "measured" for a stone that is made from no parameters."""
+    if plan.stone.proportions is not None:
+        return ROUND_BRILLIANT
+    return plan.stone.cut.family() if isinstance(plan.stone.cut, Family) else "measured"
 
 
 def _described(variable: AtlasVariable, design: bool, tilted: bool, plan: AtlasPlan) -> dict[str, Any]:

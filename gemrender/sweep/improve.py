@@ -466,7 +466,7 @@ class _Search:
                 if 0 <= places[k] + by < of.count
             ]
             self.measure(beside)
-            best = max(beside, key=lambda at: (self.known[at], at))
+            best = max(beside, key=lambda at: (self.known[at], at), default=places)
             if not self.known[best] > self.known[places]:
                 return places
             places = best

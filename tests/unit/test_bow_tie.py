@@ -11,6 +11,7 @@ import pytest
 from gemrender.beam.bow_tie import area_in_sector, belly_sectors, bow_tie
 from gemrender.cuts import load_stone
 from gemrender.cuts.families import families
+from gemrender.scoring import score
 
 #: Areas after a few operations on numbers of order 1.
 ROUNDING = 1e-12
@@ -82,6 +83,30 @@ def test_the_belly_of_a_pear_lies_about_its_culet():
     assert apex == pytest.approx([0.0, 1 / 1.55 - 1 + 0.1], abs=ROUNDING)
     assert right[1] == pytest.approx([1.0, 1.55 * math.tan(math.pi / 8)], abs=ROUNDING)
     assert left.tolist() == (-right).tolist()
+
+
+def test_dark_and_leaking_are_the_zones_of_an_aset():
+    """Its blue zone ends 15 degrees from the zenith; what never leaves counts as leaking here."""
+    stone = families()["marquise"](mains=6).stone()
+    whole = bow_tie(stone).whole
+    aset = score(stone, measures=["aset"]).measures[0].values
+    assert 100 * whole.dark == pytest.approx(aset["blue"], abs=1e-6)
+    assert 100 * whole.leaking == pytest.approx(aset["leak"] + aset["trapped"], abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["oval", "marquise", "pear"])
+def test_another_pavilion_takes_the_bow_tie_of_the_same_outline_away(name):
+    """docs/bow-tie.jpg; belly and ends are told apart by the contrast."""
+    dark, clear = (load_stone(f"{name}-{word}") for word in ("bow-tie", "clear"))
+    values = [stone.cut.values() for stone in (dark, clear)]
+    assert {key for key in values[0] if values[0][key] != values[1][key]} == {
+        "pavilion_depth", "lower_half", "mains",
+    }  # fmt: skip
+    before, after = bow_tie(dark), bow_tie(clear)
+    assert before.belly.dark > 0.3 > 0.05 > after.belly.dark
+    assert before.contrast > 0.3 > 0.01 > after.contrast
+    assert after.belly.leaking < 0.1
+    assert after.whole.bright > before.whole.bright + 0.1
 
 
 def test_a_larger_head_darkens_more_until_it_hides_the_sky():

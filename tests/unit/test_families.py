@@ -12,6 +12,7 @@ import pytest
 from gemrender.cuts import RoundBrilliant, load_stone
 from gemrender.cuts import families as folder
 from gemrender.cuts.families import families, step
+from gemrender.cuts.girdle_words import CULET_WORDS
 from gemrender.errors import InputError
 from gemrender.scoring import score
 from gemrender.stone import tessellate
@@ -118,3 +119,11 @@ def test_a_familys_own_parameters_are_no_brilliants_proportions():
     """A family may keep itself as the stone's cut, and call a parameter what brilliants do."""
     cut = step.Parameters()
     assert replace(cut.stone(), cut=cut).proportions is None
+
+
+@pytest.mark.parametrize(
+    "family", [kind for kind in families().values() if "culet" in kind.__dataclass_fields__]
+)
+def test_every_culet_is_stated_in_words_too(family):
+    assert family(culet="none").culet == 0.0
+    assert family(culet="small").culet == CULET_WORDS["small"]

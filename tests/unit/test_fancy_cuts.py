@@ -22,7 +22,6 @@ GRID, GRID_ERROR = 64, 2.0
 
 PRINCESS_CROWN = {"table": 1, "star": 8, "table_break": 4, "girdle_break": 4, "bezel": 4}
 RADIANT_CROWN = {"table": 1, "star": 8, "table_break": 8, "girdle_break": 8}
-RADIANT_PAVILION = {"half": 24, "kite": 4, "shield": 4, "pavilion_corner": 4}
 TRILLIANT_CROWN = {"table": 1, "star": 6, "bezel": 6, "upper_girdle": 12}
 
 
@@ -49,12 +48,14 @@ def test_facets_of_princesses(chevrons, total):
     assert kinds(cut) == {**PRINCESS_CROWN, "girdle": 8, **pavilion, "culet": 1}
 
 
-def test_facets_of_radiants():
-    """25 of the crown, 8 of the girdle, 37 of the pavilion with the culet: the trade's 70."""
-    stone = RADIANT(culet=1.0).stone()
-    assert kinds(stone) == {**RADIANT_CROWN, "girdle": 8, **RADIANT_PAVILION, "culet": 1}
-    assert Counter(stone.facet_sides) == {"crown": 25, "girdle": 8, "pavilion": 37}
-    assert len(RADIANT().stone().facets) == 69
+@pytest.mark.parametrize(("halves", "total"), [(3, 70), (2, 62)])
+def test_facets_of_radiants(halves, total):
+    """25 of the crown, 8 of the girdle, 37 or 29 of the pavilion with the culet: the trade's 70 and 62."""
+    stone = RADIANT(halves=halves, culet=1.0).stone()
+    pavilion = {"half": 8 * halves, "kite": 4, "shield": 4, "pavilion_corner": 4, "culet": 1}
+    assert kinds(stone) == {**RADIANT_CROWN, "girdle": 8, **pavilion}
+    assert Counter(stone.facet_sides) == {"crown": 25, "girdle": 8, "pavilion": total - 33}
+    assert len(RADIANT(halves=halves).stone().facets) == total - 1
 
 
 @pytest.mark.parametrize("mains", [3, 6])
@@ -74,6 +75,8 @@ def test_facets_of_trilliants(mains):
         (PRINCESS(length_to_width=1.2, corner=2.0), 2, 2),
         (RADIANT(length_to_width=1.0), 4, 4),
         (RADIANT(), 2, 2),
+        (RADIANT(halves=2, length_to_width=1.0, culet=1.0), 4, 4),
+        (RADIANT(halves=2), 2, 2),
         (TRILLIANT(), 3, 3),
         (TRILLIANT(corner=4.0, mains=3, culet=1.0), 3, 3),
         (TRILLIANT(length_to_width=1.05), 1, 1),
@@ -93,6 +96,7 @@ def test_symmetry(cut, fold, mirrors):
         PRINCESS(),
         PRINCESS(length_to_width=1.37, table=61.3, pavilion_depth=52.7, corner=3.0, culet=2.5),
         RADIANT(),
+        RADIANT(halves=2, culet=1.5),
         RADIANT(length_to_width=1.45, table=61.3, crown_height=13.1, corner=9.0, culet=2.5),
         TRILLIANT(length_to_width=1.07, table=58.3, crown_height=11.1, pavilion_depth=31.7, culet=2.5),
         TRILLIANT(length_to_width=1.02, bow=12.0, corner=3.0),

@@ -10,6 +10,7 @@ import pytest
 
 from gemrender.cuts.construction.steps import profile, trapezoid
 from gemrender.cuts.families import families
+from gemrender.cuts.girdle_words import CULET_WORDS
 from gemrender.errors import InputError
 from gemrender.stone.symmetry import find_symmetry
 
@@ -211,3 +212,11 @@ def test_rows_of_a_hollow_pavilion_are_refused():
     made.profiles["pavilion"] = profile(3, 1.0, 1.0, -0.1)
     with pytest.raises(InputError, match="hollow pavilion"):
         made.check()
+
+
+@pytest.mark.parametrize("name", [name for name, kind in families().items() if hasattr(kind, "culet")])
+def test_every_culet_is_told_in_words_too(name):
+    """IGI calls a keel a long culet."""
+    kind = families()[name]
+    assert [kind(culet=words).culet for words in ("None", "Long")] == [0.0, 0.0]
+    assert kind(culet="very small").culet == CULET_WORDS["very small"]

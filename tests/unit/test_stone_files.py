@@ -21,8 +21,10 @@ from gemrender.cuts.round_brilliant.topology import VERTEX_LABELS
 from gemrender.errors import InputError
 from gemrender.stone import Stone
 
-BUNDLED = ["fish-eye", "gia-excellent", "inoue-1", "inoue-2", "inoue-3", "nail-head", "tolkowsky"]
 SCENES = Path(gemrender.__file__).parent.parent / "scenes"
+BUNDLED = sorted(path.stem for path in SCENES.glob("*.toml"))
+#: Of the paper, of laboratories and of what goes wrong: the first ones.
+FIRST = {"fish-eye", "gia-excellent", "inoue-1", "inoue-2", "inoue-3", "nail-head", "tolkowsky"}
 
 PROPORTIONS = """\
 name = "A stone"
@@ -77,6 +79,7 @@ def csv_lines(stone: Stone | None = None) -> list[str]:
 
 def test_bundled_stones_are_named_in_order():
     assert bundled_stones() == BUNDLED
+    assert set(BUNDLED) > FIRST
 
 
 @pytest.mark.parametrize("name", BUNDLED)
@@ -84,7 +87,7 @@ def test_bundled_stone_loads_and_names_its_source(name):
     stone = load_stone(name)
     assert stone.source == str(SCENES / f"{name}.toml")
     assert stone.material is None
-    assert stone.proportions is not None
+    assert stone.proportions is not None or name not in FIRST
     assert any(line.startswith("# Source: ") for line in (SCENES / f"{name}.toml").read_text().splitlines())
 
 
@@ -132,7 +135,7 @@ def test_bundled_stones_are_found_in_an_installed_package(tmp_path):
         text=True,
         check=True,
     )
-    assert run.stdout.split() == ["7", str(tmp_path / "site/gemrender/scenes/inoue-3.toml")]
+    assert run.stdout.split() == [str(len(BUNDLED)), str(tmp_path / "site/gemrender/scenes/inoue-3.toml")]
 
 
 def test_package_without_scenes_has_no_bundled_stones(monkeypatch, tmp_path):

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from solids import assert_closed, half_space_volume, mesh_volume
+from solids import BRILLIANTS, assert_closed, half_space_volume, mesh_volume
 from tolerances import MESH_VOLUME, PLANE, QUADRATURE_VOLUME, ROUNDING
 
 from gemrender.cuts import RoundBrilliant, bundled_stones, load_stone, stone_from_vertices
@@ -229,7 +229,7 @@ def test_files_of_anything(folder, text):
 
 # ---- Measured vertices ---------------------------------------------------------------------------------
 
-VERTICES = [load_stone(name).vertices for name in bundled_stones()]
+VERTICES = [load_stone(name).vertices for name in BRILLIANTS]
 
 
 @settings(max_examples=60, **REPEATABLE)

@@ -26,7 +26,7 @@ from gemrender.cuts.construction import Construction
 from gemrender.cuts.construction.brilliant import Girdle, brilliant, widths
 from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.heights import CROWN_ANGLE, PAVILION_ANGLE
-from gemrender.cuts.families.parameters import Alternative, choice, girdle_thickness, parameter
+from gemrender.cuts.families.parameters import Alternative, choice, culet, girdle_thickness, parameter
 from gemrender.cuts.marks import Mark, Place, Share
 
 __all__ = ["ElongatedBrilliant", "shoulder_mark", "tips", "wing_marks"]
@@ -34,7 +34,7 @@ __all__ = ["ElongatedBrilliant", "shoulder_mark", "tips", "wing_marks"]
 #: Girdle points of pavilion mains by their number; the first girdle point is an end of the length. With six
 #: the mains at both ends are left out ("to only 56 facets when the pavilion facets at the head and tail are
 #: eliminated", yourjewel.com, "Loose Diamonds"). With four also those at the belly: what is left is an X.
-#: No source was found for the latter; of sets with both mirror planes it keeps the culet's edges apart.
+#: No source was found for which four: of those that leave both mirror planes it is the set without the belly.
 _MAINS = {4: (2, 6, 10, 14), 6: (2, 4, 6, 10, 12, 14), 8: tuple(range(0, 16, 2))}
 
 #: The table's length follows the stated width of the table, and may be stated itself.
@@ -73,7 +73,7 @@ class ElongatedBrilliant(Family):
     star, lower_half : float
         Lengths of stars and lower halves, as of round brilliants [%].
     culet : float
-        Width of the culet [% of the width]; 0 for a point.
+        Width of the culet [% of the width], or a laboratory's words; 0 for a point.
     mains : {4, 6, 8}
         Number of pavilion mains: all; none at the ends; none at ends and belly.
     """
@@ -90,7 +90,7 @@ class ElongatedBrilliant(Family):
     pavilion_depth: float = parameter(25.0, 65.0, default=43.8)
     star: float = parameter(20.0, 80.0, default=50.0)
     lower_half: float = parameter(30.0, 95.0, default=75.0)
-    culet: float = parameter(0.2, 20.0, default=0.0, or_zero=True)
+    culet: float = culet()
     mains: int = choice(4, 6, 8, default=8, why="the commonest")
 
     @staticmethod

@@ -22,7 +22,7 @@ from gemrender.cuts.construction import Construction
 from gemrender.cuts.construction.steps import profile, rectangle, step_cut
 from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.heights import CROWN_ANGLE, PAVILION_ANGLE
-from gemrender.cuts.families.parameters import Alternative, choice, girdle_thickness, parameter
+from gemrender.cuts.families.parameters import Alternative, choice, culet, girdle_thickness, parameter
 from gemrender.cuts.marks import Mark, corner_mark, step_marks, usual_marks
 
 __all__ = ["FAMILY", "Parameters"]
@@ -50,7 +50,7 @@ class Parameters(Family):
     girdle_thickness : float
         Height of the girdle [% of the width].
     culet : float
-        Width of the culet [% of the width]; 0 for a keel.
+        Width of the culet [% of the width], or a laboratory's words; 0 for a keel.
     pavilion_steps : {3, 4, 5}
         Rows of facets of the pavilion.
 
@@ -70,7 +70,7 @@ class Parameters(Family):
     girdle_thickness: float = girdle_thickness(4.5)
     pavilion_depth: float = parameter(35.0, 65.0, default=50.0)
     pavilion_bulge: float = parameter(0.5, 8.0, default=5.5, why="steps of 53, 45 and 34 deg")
-    culet: float = parameter(0.2, 20.0, default=0.0, or_zero=True)
+    culet: float = culet()
     pavilion_steps: int = choice(3, 4, 5, default=3, why="the commonest")
 
     @classmethod

@@ -34,7 +34,7 @@ from gemrender.cuts.construction.break_crown import (
 )
 from gemrender.cuts.construction.meet_points import points_at
 from gemrender.cuts.families.family import Family
-from gemrender.cuts.families.parameters import Alternative, choice, girdle_thickness, parameter
+from gemrender.cuts.families.parameters import Alternative, choice, culet, girdle_thickness, parameter
 from gemrender.cuts.laboratory import ROUNDING
 from gemrender.cuts.marks import Mark, Share, break_marks, corner_mark, slope, tilt, usual_marks
 
@@ -112,7 +112,7 @@ class Parameters(Family):
         How steep the side mains are, between the flattest (0) and the steepest (100) that leave the pavilion
         convex [%]; `side_angle`, their angle on the long sides [deg], stands for it.
     culet : float
-        Width of the culet, from side to side [% of the width]; 0 for a point.
+        Width of the culet, from side to side [% of the width], or a laboratory's words; 0 for a point.
 
     Raises
     ------
@@ -153,7 +153,7 @@ class Parameters(Family):
     side_length: float = parameter(40.0, 65.0, default=50.0, why=_AGS)
     tip: float = parameter(6.0, 25.0, default=10.0, why=_AGS)
     bulge: float = parameter(15.0, 90.0, default=70.0)
-    culet: float = parameter(0.2, 5.0, default=0.0, or_zero=True)
+    culet: float = culet(high=5.0)
 
     @classmethod
     def construct(cls, **values: Any) -> Construction:

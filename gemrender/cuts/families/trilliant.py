@@ -24,7 +24,7 @@ from gemrender.cuts.construction import Construction
 from gemrender.cuts.construction.brilliant import Girdle, add_crown, add_girdle, add_pavilion
 from gemrender.cuts.construction.triangle import Triangle
 from gemrender.cuts.families.family import Family
-from gemrender.cuts.families.parameters import Alternative, choice, girdle_thickness, parameter
+from gemrender.cuts.families.parameters import Alternative, choice, culet, girdle_thickness, parameter
 from gemrender.cuts.laboratory import ROUNDING
 from gemrender.cuts.marks import Angle, Length, Mark, Place, Share, apex, tilt, usual_marks
 
@@ -112,7 +112,8 @@ class Parameters(Family):
     star, lower_half : float
         Lengths of stars and lower halves, as of round brilliants [%].
     culet : float
-        Size of the culet [% of what a pavilion cut there would be]; 0 for a point.
+        Size of the culet [% of what a pavilion cut there would be], or a laboratory's words; 0 for a
+        point.
     mains : {3, 6}
         Number of pavilion mains: at the sides only, or in the corners too.
 
@@ -147,7 +148,7 @@ class Parameters(Family):
     pavilion_depth: float = parameter(18.0, 45.0, default=33.0)
     star: float = parameter(55.0, 85.0, default=70.0)
     lower_half: float = parameter(30.0, 90.0, default=80.0)
-    culet: float = parameter(0.2, 10.0, default=0.0, or_zero=True)
+    culet: float = culet(high=10.0)
     mains: int = choice(3, 6, default=6)
 
     @classmethod

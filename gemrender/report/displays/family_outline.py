@@ -125,7 +125,15 @@ class _Tables:
         self._rows += [
             (_label(name), _valued(cut, name, float(value)), "") for name, value in cut.alternatives().items()
         ]
-        self._taken = [line for words in stone.assumed for line in textwrap.wrap(f"taken: {words}", 58)]
+        if stone.size_mm is not None:
+            low, high = stone.solid.vertices.min(axis=0), stone.solid.vertices.max(axis=0)
+            sides = (high - low) * stone.size_mm / 2.0
+            if stone.is_round:
+                sides[:2] = stone.size_mm
+            width, length = sorted(sides[:2].tolist())
+            self._rows.append(("size", f"{length:.2f} × {width:.2f} × {sides[2]:.2f} mm", ""))
+        taken = f"Taken: {'; '.join(stone.assumed)}." if stone.assumed else ""
+        self._taken = textwrap.wrap(taken, 72)
 
     @property
     def parameters(self) -> float:

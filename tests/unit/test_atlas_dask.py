@@ -1,0 +1,102 @@
+"""Atlases by Dask: the same bytes as in-process, though workers are killed and schedulers end."""
+
+from __future__ import annotations
+
+import logging
+import os
+import signal
+import textwrap
+
+import pytest
+
+from gemrender.errors import BackendError, InputError
+from gemrender.sweep.atlas import make_atlas
+from gemrender.sweep.atlas_plan_file import read_plan
+from gemrender.sweep.atlas_store import AtlasStore
+
+distributed = pytest.importorskip("distributed")
+
+PLAN = """
+    stone = "gia-excellent"
+    bound = 5
+    chunk = 3
+    [vary]
+    crown_angle = "33:35:1"
+    pavilion_angle = "40:41.4:0.1"
+    """
+
+
+@pytest.fixture
+def plan(tmp_path):
+    path = tmp_path / "plan.toml"
+    path.write_text(textwrap.dedent(PLAN))
+    return read_plan(path)
+
+
+@pytest.fixture
+def expected(plan, tmp_path):
+    make_atlas(plan, str(tmp_path / "threads.zarr"))
+    return contents(tmp_path / "threads.zarr")
+
+
+def contents(store):
+    return {path.relative_to(store): path.read_bytes() for path in store.rglob("*") if path.is_file()}
+
+
+def cluster(**options):
+    """Start a scheduler and its workers on loopback."""
+    return distributed.LocalCluster(
+        host="127.0.0.1",
+        protocol="tcp://",
+        dashboard_address="127.0.0.1:0",
+        threads_per_worker=1,
+        silence_logs=logging.CRITICAL,
+        **options,
+    )
+
+
+def after_first_chunk(action):
+    """Return a progress callback that does something once a first chunk is written."""
+    done = []
+
+    def progress(share):
+        if share > 0 and not done:
+            done.append(share)
+            action()
+
+    return progress
+
+
+def test_a_worker_killed_in_the_middle_has_its_chunk_done_again(plan, tmp_path, expected):
+    with cluster(n_workers=2) as two:
+        first = next(iter(two.workers.values())).pid
+        progress = after_first_chunk(lambda: os.kill(first, signal.SIGKILL))
+        made = make_atlas(plan, str(tmp_path / "a.zarr"), dask=two.scheduler_address, progress=progress)
+    assert made.done == plan.stones == made.measured
+    assert contents(tmp_path / "a.zarr") == expected
+
+
+def test_after_the_scheduler_has_ended_another_one_goes_on(plan, tmp_path, expected, monkeypatch):
+    monkeypatch.setattr("gemrender.sweep.atlas_dask._ANSWER_S", 1)
+    where = str(tmp_path / "a.zarr")
+    one = cluster(n_workers=1, processes=False)
+    with pytest.raises(BackendError, match="was lost; what is done is kept"):
+        make_atlas(plan, where, dask=one.scheduler_address, progress=after_first_chunk(one.close))
+    left = len(AtlasStore(plan, where).to_do())
+    assert 0 < left < plan.chunks
+    with cluster(n_workers=1, processes=False) as other:
+        made = make_atlas(plan, where, dask=other.scheduler_address)
+    assert made.measured == 3 * left
+    assert contents(tmp_path / "a.zarr") == expected
+
+
+def test_a_scheduler_that_is_not_there_is_told(plan, tmp_path, monkeypatch):
+    monkeypatch.setattr("gemrender.sweep.atlas_dask._ANSWER_S", 0.2)
+    with pytest.raises(InputError, match="no scheduler answers there"):
+        make_atlas(plan, str(tmp_path / "a.zarr"), dask="tcp://127.0.0.1:9")
+
+
+def test_without_distributed_the_cure_is_told(plan, tmp_path, monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "distributed", None)
+    with pytest.raises(BackendError, match=r"pip install 'gemrender\[dask\]'"):
+        make_atlas(plan, str(tmp_path / "a.zarr"), dask="local")
