@@ -26,10 +26,10 @@ if TYPE_CHECKING:
     import zarr
 
 __all__ = [
-    "ROUND_BRILLIANT",
     "DONE",
     "FAILED",
     "NO_STONE",
+    "ROUND_BRILLIANT",
     "TO_DO",
     "AtlasStore",
     "check_room",

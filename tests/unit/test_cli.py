@@ -123,7 +123,7 @@ BAD_INPUT = {
 }
 #: The same, where an argument is empty or holds spaces.
 BAD_ARGUMENTS = [
-    (["score", ""], "STONE = '': must be a stone file or one of fish-eye, "),
+    (["score", ""], "STONE = '': must be a stone file or a bundled stone (see: "),
     (["score", "inoue-1", "--out", ""], "--out = '': must be a folder that can be written: has no name"),
     (["score", "inoue-1", "--engine", ""], "--engine = '': must be one of auto, exact, mitsuba, reference"),
     (["score", "inoue-1", "--variant", ""], "--variant = '': must be one of llvm_ad_rgb, "),
@@ -159,7 +159,7 @@ def test_bad_input_is_one_line_that_says_what_is_allowed(arguments, words, folde
 
 @pytest.mark.parametrize(
     ("slip", "meant"),
-    [("scor inoue-1", "score"), (f"{SCORE} --resoluton 9", "--resolution"), ("score inoue3", "inoue-3")],
+    [("scor inoue-1", "score"), (f"{SCORE} --resoluton 9", "--resolution"), ("score inoue3", "inoue-3, inoue-2 or inoue-1")],
 )
 def test_a_slip_is_answered_with_what_was_meant(slip, meant, gemrender):
     assert gemrender(*slip.split())[2].endswith(f"; did you mean {meant}?\n")

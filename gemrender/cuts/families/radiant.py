@@ -35,7 +35,7 @@ from gemrender.cuts.construction.break_crown import (
 from gemrender.cuts.construction.meet_points import plane_through, points_at
 from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.heights import CROWN_ANGLE, PAVILION_ANGLE
-from gemrender.cuts.families.parameters import Alternative, culet, girdle_thickness, parameter
+from gemrender.cuts.families.parameters import Alternative, choice, culet, girdle_thickness, parameter
 from gemrender.cuts.marks import Mark, Place, Share, break_marks, corner_mark, slope, usual_marks
 
 __all__ = ["FAMILY", "Parameters"]
