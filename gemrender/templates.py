@@ -24,7 +24,7 @@ def stone_template(name: str) -> str:
     """
     files = bundled_files("")
     if name not in files:
-        guess = did_you_mean(name, files, most=3)
+        guess = did_you_mean(name, files)
         raise InputError(f"must be a bundled stone (see: gemrender stones){guess}", key="name", value=name)
     return files[name].read_text(encoding="utf-8")
 

@@ -86,6 +86,11 @@ _SAYS: dict[str, dict[str, dict[str, Any]]] = {
     },
     "radiant": {"square": _SQUARE, "sq": _SQUARE, "sr": _SQUARE, "sqr": _SQUARE},
 }  # fmt: skip
+#: Words of shapes that no family has: nothing else is guessed at.
+_OTHERS = {
+    "heart", "hs", "ht", "h", "mine", "tapered", "rose", "briolette", "shield", "kite", "lozenge", "hexagonal",
+    "pentagonal", "octagonal", "trapezoid", "moon", "bullet", "calf", "star", "flanders", "ashoka",
+}  # fmt: skip
 #: Words that say nothing.
 _SILENT = {"cut", "shape", "shaped", "diamond"}
 
@@ -155,9 +160,9 @@ def read_shape(text: str) -> Shape:
     folded = _folded(text)
     if folded not in words:
         names = list(dict.fromkeys(words.values()))
+        guess = "" if _OTHERS & set(folded.split()) else did_you_mean(folded, list(words))
         raise InputError(
-            f"must be one of {', '.join(names)}, as laboratories or shops write them"
-            f"{did_you_mean(folded, list(words))}",
+            f"must be one of {', '.join(names)}, as laboratories or shops write them{guess}",
             key="shape",
             value=text,
         )
