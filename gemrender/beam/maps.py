@@ -177,7 +177,7 @@ def _path_codes(facets: VirtualFacets) -> np.ndarray:
     parents, facet = facets.nodes.T
     codes = facet + 1
     before, factors = parents, np.full(len(parents), PATH_CODE_FACTOR)
-    while (before >= 0).any():  # by doubling, as `along_paths` does
+    while (before >= 0).any():  # by doubling: each round every node knows twice as many before it
         more = np.flatnonzero(before >= 0)
         codes, factors = codes.copy(), factors.copy()
         earlier = before[more]
