@@ -88,8 +88,9 @@ _SAYS: dict[str, dict[str, dict[str, Any]]] = {
 }  # fmt: skip
 #: Words of shapes that no family has: nothing else is guessed at.
 _OTHERS = {
-    "heart", "hs", "ht", "h", "mine", "tapered", "rose", "briolette", "shield", "kite", "lozenge", "hexagonal",
-    "pentagonal", "octagonal", "trapezoid", "moon", "bullet", "calf", "star", "flanders", "ashoka",
+    "heart", "hs", "ht", "h", "mine", "tapered", "rose", "briolette", "shield", "kite", "lozenge",
+    "hexagonal", "pentagonal", "octagonal", "trapezoid", "moon", "bullet", "calf", "star",
+    "flanders", "ashoka",
 }  # fmt: skip
 #: Words that say nothing.
 _SILENT = {"cut", "shape", "shaped", "diamond"}
