@@ -33,8 +33,8 @@ STONES = ("oval-bow-tie", "marquise-bow-tie", "pear-bow-tie", "oval-clear", "mar
 DARK, LEAKING, SECTOR = "#0d0d0d", "#a9c3dd", "#d0342c"
 #: Greys of what is bright, from the horizon to the head.
 LOW, HIGH = 0.72, 1.0
-#: Size of a map in the figure [inch] and its resolution [dots an inch].
-SIZE, DPI = 3.0, 110
+#: Size of a map in the figure, what is left free about it [inch], and the figure's resolution [dots an inch].
+SIZE, PAD, DPI = 3.0, 0.12, 110
 
 
 def colours(found: BowTie) -> np.ndarray:
@@ -84,7 +84,8 @@ def draw(found: list[BowTie]) -> Figure:
 
     columns = min(3, len(found))
     rows = -(-len(found) // columns)
-    figure = Figure(figsize=(SIZE * columns, (SIZE + 0.6) * rows + 0.7), dpi=DPI, layout="constrained")
+    figure = Figure(figsize=(SIZE * columns, (SIZE + 0.75) * rows + 0.7), dpi=DPI, layout="constrained")
+    figure.get_layout_engine().set(h_pad=PAD, w_pad=PAD)
     places = figure.subplots(rows, columns, squeeze=False).ravel()
     for axes, one in zip(places, found, strict=False):
         draw_map(axes, one)
