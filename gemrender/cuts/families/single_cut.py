@@ -52,7 +52,8 @@ class Parameters(Family):
     Each facet leaves the round girdle thinnest below or above its middle, where it stands furthest out, and
     thickest where two facets meet. Thickness and heights are measured in the middle of facets, in the plane
     in which their angles are, so that table to culet is crown height + girdle + pavilion depth. The
-    table's first corner lies at +x, and z is 0 at the girdle's lower edge below it, where mains meet.
+    middle of a bezel lies at +x, as that of round brilliants, and z is 0 at the girdle's lower edge where
+    mains meet.
 
     Parameters
     ----------
@@ -91,7 +92,7 @@ class Parameters(Family):
         # What facets rise or fall from their middle to their corners, on the circle.
         rise = (1.0 - _COS) * crown / (1.0 - _COS * table)
         fall = (1.0 - _COS) * pavilion / (1.0 - culet)
-        corners = circle().feet[::2]
+        corners = circle().feet[1::2]
         stone = Construction()
         t = stone.ring("table", points_at(table * corners, fall + thickness + crown))
         u = stone.ring("girdle_upper", points_at(corners, fall + thickness + rise))
@@ -120,7 +121,15 @@ class Parameters(Family):
         heights = (points[:, 2].max(), upper, lower, points[:, 2].min())
         places = np.zeros((4, 3))
         places[:, 0], places[:, 2] = (self.table / 100.0, _COS, _COS, 0.0), heights
-        without = ("crown height", "girdle", "pavilion depth", "crown angle", "pavilion angle", "culet")
+        without = (
+            "table",
+            "crown height",
+            "girdle",
+            "pavilion depth",
+            "crown angle",
+            "pavilion angle",
+            "culet",
+        )
         names = ("crown height", "girdle", "pavilion depth")
         keys = ("crown_height", "girdle_thickness", "pavilion_depth")
         marks: list[Mark] = [
@@ -130,6 +139,9 @@ class Parameters(Family):
             tilt(made, "bezel", "crown angle", "crown", parameter="crown_angle"),
             tilt(made, "pavilion_main", "pavilion angle", "pavilion", parameter="pavilion_angle"),
         ]  # fmt: skip
+        corner = points[made.rings["table"][0]]
+        start, end = corner * [0.0, 0.0, 1.0], corner / [*[np.hypot(*corner[:2])] * 2, 1.0]
+        marks.append(Share(name="table", view="crown", start=start, end=end, at=corner, parameter="table"))
         if self.culet:
             culet = points[made.rings["culet"]]
             at = culet[2:4].mean(axis=0)
