@@ -136,8 +136,8 @@ def show_atlas(
     """Draw a map of an atlas for each measure."""
     from gemrender.cuts import load_stone
     from gemrender.report.atlas import write_atlas_figure
-    from gemrender.report.atlas_map import atlas_map
     from gemrender.report.files import prepare_folder
+    from gemrender.sweep.atlas_map import atlas_map
     from gemrender.sweep.atlas_store import open_atlas
 
     if len(names) > 1:

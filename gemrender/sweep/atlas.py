@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import threading
 import time
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,8 @@ from gemrender.sweep.atlas_store import DONE, FAILED, NO_STONE, AtlasStore
 
 __all__ = ["AtlasCost", "AtlasMade", "atlas_cost", "make_atlas"]
 
+#: How often it is told how far chunks are [s].
+_TICK_S = 1.0
 #: So many stones without values are told by name.
 _TOLD = 3
 
@@ -122,17 +124,24 @@ def make_atlas(
     started = time.monotonic()
     store = AtlasStore(plan, where)
     waiting = store.to_do()
-    left, measured = len(waiting), 0
-    if progress is not None:
-        progress(1.0 - left / plan.chunks)
+    there = plan.stones - sum(_size(plan, chunk) for chunk in waiting)
+    measured = 0
+
+    told = 0
+
+    def tell(under_way: int = 0) -> None:
+        nonlocal told
+        told = max(told, there + measured + under_way)  # a chunk that is done is no more under way
+        if progress is not None:
+            progress(told / plan.stones)
+
+    tell()
     if waiting:
-        with contextlib.closing(_results(plan, waiting, threads, dask)) as results:
+        with contextlib.closing(_results(plan, waiting, threads, dask, tell)) as results:
             for chunk, found in results:
                 store.write(chunk, found)
-                left -= 1
                 measured += found["status"].size
-                if progress is not None:
-                    progress(1.0 - left / plan.chunks)
+                tell()
     store.tidy()
     return _made(store, measured, time.monotonic() - started)
 
@@ -168,23 +177,42 @@ def atlas_cost(plan: AtlasPlan, *, threads: int | None = None, stones: int = 48)
     )
 
 
+def _size(plan: AtlasPlan, chunk: int) -> int:
+    return math.prod(part.stop - part.start for part in plan.place(chunk))
+
+
 def _results(
-    plan: AtlasPlan, chunks: Sequence[int], threads: int | None, dask: str | None
+    plan: AtlasPlan,
+    chunks: Sequence[int],
+    threads: int | None,
+    dask: str | None,
+    tell: Callable[[int], None],
 ) -> Generator[tuple[int, _Found], None, None]:
     if dask is None:
-        return _in_threads(plan, chunks, threads or os.cpu_count() or 1)
+        return _in_threads(plan, chunks, threads or os.cpu_count() or 1, tell)
     from gemrender.sweep.atlas_dask import in_dask
 
     return in_dask(plan, chunks, dask)
 
 
 def _in_threads(
-    plan: AtlasPlan, chunks: Sequence[int], threads: int
+    plan: AtlasPlan, chunks: Sequence[int], threads: int, tell: Callable[[int], None]
 ) -> Generator[tuple[int, _Found], None, None]:
-    """Measure chunks in threads, few of them ahead; closed, it ends after the stones that are under way."""
+    """Measure chunks in threads, few of them ahead; closed, it ends after the stones that are under way.
+
+    Every second it tells how many stones of chunks that are not yielded have been begun.
+    """
     prepare(rays=True)
     stopped = threading.Event()
-    work = partial(measure_chunk, plan, is_stopped=stopped.is_set)
+    begun: dict[int, int] = {}
+
+    def work(chunk: int) -> _Found | None:
+        def goes_on() -> bool:
+            begun[chunk] = begun.get(chunk, -1) + 1
+            return not stopped.is_set()
+
+        return measure_chunk(plan, chunk, goes_on)
+
     running: dict[Future[_Found | None], int] = {}
     waiting = iter(chunks)
     pool = ThreadPoolExecutor(threads)
@@ -194,8 +222,12 @@ def _in_threads(
                 running[pool.submit(work, chunk)] = chunk
             if not running:
                 return
-            for future in wait(running, return_when=FIRST_COMPLETED).done:
+            finished = wait(running, timeout=_TICK_S, return_when=FIRST_COMPLETED).done
+            if not finished:
+                tell(sum(list(begun.values())))
+            for future in finished:
                 chunk = running.pop(future)
+                begun.pop(chunk, None)
                 if (found := future.result()) is not None:
                     yield chunk, found
     finally:

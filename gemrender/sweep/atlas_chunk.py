@@ -24,7 +24,7 @@ _PREPARING = threading.Lock()
 
 
 def measure_chunk(
-    plan: AtlasPlan, chunk: int, is_stopped: Callable[[], bool] = lambda: False
+    plan: AtlasPlan, chunk: int, goes_on: Callable[[], bool] = lambda: True
 ) -> dict[str, np.ndarray] | None:
     """Measure the stones of a chunk.
 
@@ -34,8 +34,8 @@ def measure_chunk(
         The plan.
     chunk : int
         Which one, from 0.
-    is_stopped : callable
-        Asked after each stone whether to give up.
+    goes_on : callable
+        Asked before each stone whether to go on.
 
     Returns
     -------
@@ -50,7 +50,7 @@ def measure_chunk(
     rows: list[np.ndarray] = []
     status = []
     for setting in plan.settings(place):
-        if is_stopped():
+        if not goes_on():
             return None
         values, state = _measured(plan, setting)
         rows.append(values)

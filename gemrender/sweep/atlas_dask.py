@@ -12,11 +12,11 @@ import gemrender
 from gemrender.errors import BackendError, InputError
 from gemrender.sweep.atlas_chunk import measure_chunk
 from gemrender.sweep.atlas_plan import AtlasPlan
-from gemrender.sweep.workers import MOST_TRIES
+from gemrender.sweep.workers import MOST_TRIES, terminal_signals_blocked
 
 if TYPE_CHECKING:
     import numpy as np
-    from distributed import Client
+    from distributed import Client, LocalCluster
 
 __all__ = ["in_dask"]
 
@@ -24,8 +24,6 @@ __all__ = ["in_dask"]
 _ANSWER_S, _WORKERS_S = 10, 120
 #: Chunks in flight for each thread of the cluster: one under way and one that waits.
 _AHEAD = 2
-
-_log = logging.getLogger("gemrender")
 
 
 def in_dask(
@@ -100,7 +98,7 @@ def _client(address: str) -> Iterator[Client]:
     """Connect to a scheduler, or start one with its workers on this machine."""
     try:
         import dask
-        from distributed import Client, LocalCluster
+        from distributed import Client
     except ImportError as error:
         raise BackendError(
             f"--dask needs distributed ({error}); to cure it: pip install 'gemrender[dask]'"
@@ -112,12 +110,7 @@ def _client(address: str) -> Iterator[Client]:
             number = None if local[1] is None else int(local[1])
             if number == 0:
                 raise InputError("must be local, or local:N with N from 1", key="--dask", value=address)
-            address = stack.enter_context(
-                LocalCluster(
-                    n_workers=number, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0",
-                    silence_logs=logging.ERROR,
-                )
-            ).scheduler_address  # fmt: skip
+            address = stack.enter_context(_local(number)).scheduler_address
         elif "://" not in address:
             raise InputError(
                 "must be the address of a scheduler, such as tcp://host:8786, or local or local:N",
@@ -133,6 +126,17 @@ def _client(address: str) -> Iterator[Client]:
         except TimeoutError as error:
             raise InputError("the scheduler has no worker", key="--dask", value=address) from error
         yield client
+
+
+def _local(number: int | None) -> LocalCluster:
+    """Start a scheduler and workers on this machine; Ctrl-C at the terminal is left to this process."""
+    from distributed import LocalCluster
+
+    with terminal_signals_blocked():
+        return LocalCluster(
+            n_workers=number, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0",
+            silence_logs=logging.CRITICAL,
+        )  # fmt: skip
 
 
 @contextlib.contextmanager

@@ -20,7 +20,7 @@ from typing import Any, TypeVar
 
 from gemrender.errors import GemrenderError
 
-__all__ = ["MOST_TRIES", "LostProcessError", "in_processes"]
+__all__ = ["MOST_TRIES", "LostProcessError", "in_processes", "terminal_signals_blocked"]
 
 Batch = TypeVar("Batch")
 Result = TypeVar("Result")
@@ -135,9 +135,7 @@ def _start(function: Callable[[Any], Any], batch: Any, tried: int) -> _Worker:
     context = multiprocessing.get_context("spawn")
     here, there = context.Pipe()
     process = context.Process(target=_serve, args=(function, there, os.getpid()), daemon=True)
-    if hasattr(signal, "pthread_sigmask"):  # its start would unblock the signals again
-        resource_tracker.ensure_running()
-    with _terminal_signals_blocked():  # and, as that is inherited, in the new process for good
+    with terminal_signals_blocked():  # and, as that is inherited, in the new process for good
         process.start()
     there.close()
     worker = _Worker(process, here, batch, tried)
@@ -163,10 +161,12 @@ def _lost(worker: _Worker, left: int) -> None:
 
 
 @contextlib.contextmanager
-def _terminal_signals_blocked() -> Iterator[None]:
+def terminal_signals_blocked() -> Iterator[None]:
+    """Block what a terminal sends, in processes and threads that are started within for good."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
+    resource_tracker.ensure_running()  # its start would unblock the signals again
     before = signal.pthread_sigmask(signal.SIG_BLOCK, _TERMINAL_SIGNALS)
     try:
         yield

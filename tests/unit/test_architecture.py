@@ -14,6 +14,9 @@ import gemrender
 
 PACKAGE = Path(gemrender.__file__).parent
 
+#: What atlases are stored by, and measured on clusters by.
+_ATLASES = ("xarray", "zarr", "fsspec", "h5netcdf", "h5py", "dask", "distributed")
+
 #: The parts, lowest first, and the libraries that each may use. A part imports only from parts above its
 #: own line; those on one line do not know each other.
 LAYERS: list[dict[str, set[str]]] = [
@@ -39,20 +42,7 @@ LAYERS: list[dict[str, set[str]]] = [
     {"scoring": {"numpy"}},
     {"mapping": {"numpy"}},
     {"crosscheck": {"numpy"}, "stereo": {"numpy"}},
-    {
-        "sweep": {
-            "numpy",
-            "scipy",
-            "drjit",
-            "xarray",
-            "zarr",
-            "fsspec",
-            "h5netcdf",
-            "h5py",
-            "dask",
-            "distributed",
-        }
-    },
+    {"sweep": {"numpy", "scipy", "drjit", *_ATLASES}},
     {"report": {"numpy", "matplotlib", "mpl_toolkits", "rich", "OpenEXR", "colour"}},
     {"cli": {"numpy", "typer", "rich"}},
     {"__main__": set()},

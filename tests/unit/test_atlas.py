@@ -14,11 +14,12 @@ import numpy as np
 import pytest
 
 import gemrender as gem
-from gemrender.errors import InputError
+from gemrender.errors import BackendError, InputError
 from gemrender.sweep import atlas as atlas_of
 from gemrender.sweep.atlas import make_atlas
-from gemrender.sweep.atlas_chunk import measure_chunk
+from gemrender.sweep.atlas_chunk import chunk_values, measure_chunk
 from gemrender.sweep.atlas_export import export_atlas
+from gemrender.sweep.atlas_map import cliffs
 from gemrender.sweep.atlas_plan import part_shape
 from gemrender.sweep.atlas_plan_file import read_plan
 from gemrender.sweep.atlas_store import DONE, NO_STONE, TO_DO, AtlasStore, open_atlas
@@ -199,6 +200,19 @@ def test_cells_that_make_no_stone_are_told_and_not_done_again(planned, tmp_path)
     assert make_atlas(plan, str(tmp_path / "a.zarr")).measured == 0
 
 
+def test_a_measurement_that_fails_does_not_end_the_work(planned, tmp_path, monkeypatch):
+    def failing(plan, stone, tilt):
+        if "crown_angle=34" in stone.name:
+            raise ZeroDivisionError("by nothing")
+        return chunk_values(plan, stone, tilt)
+
+    monkeypatch.setattr("gemrender.sweep.atlas_chunk.chunk_values", failing)
+    monkeypatch.setattr(atlas_of, "chunk_values", failing)
+    made = make_atlas(planned(GRID.replace("[10, 40, 50, 60]", "[50, 60]")), str(tmp_path / "a.zarr"))
+    assert (made.done, made.failed) == (4, 2)
+    assert made.refused[0] == ("crown_angle=34.0 star=50.0", "ZeroDivisionError: by nothing")
+
+
 def test_views_are_a_dimension(planned, tmp_path):
     plan = planned(
         GRID.replace("bound = 5", "bound = 5\ntilts = [0, [10, 90]]").replace("[10, 40, 50, 60]", "50")
@@ -352,6 +366,13 @@ def test_what_is_no_atlas_is_told(tmp_path, name):
         open_atlas(str(tmp_path / name))
 
 
+@pytest.mark.parametrize("package", ["xarray", "zarr"])
+def test_a_missing_package_is_told_with_the_cure(tmp_path, monkeypatch, package):
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(BackendError, match=r"pip install 'gemrender\[atlas\]'"):
+        open_atlas(str(tmp_path / "a.zarr"))
+
+
 # ---- The command ---------------------------------------------------------------------------------------
 
 
@@ -401,3 +422,39 @@ def test_bad_arguments_are_one_line(gemrender, folder, arguments, said):
     assert status == 2
     assert said in err
     assert err.count("\n") == 1
+
+
+# ---- The atlas that comes with gemrender ---------------------------------------------------------------
+
+COMMITTED = Path(__file__).parents[2] / "docs" / "atlas" / "round-brilliants.nc"
+
+
+def test_the_atlas_of_round_brilliants_is_complete_and_of_its_plan():
+    plan = read_plan(COMMITTED.with_suffix(".toml"))
+    with open_atlas(str(COMMITTED)) as atlas:
+        assert json.loads(atlas.attrs["plan"]) == plan.record
+        assert (atlas.status.values == DONE).all()
+        assert float(atlas.iso_bound.max()) <= plan.bound
+    assert COMMITTED.stat().st_size < 15 * 2**20
+
+
+@pytest.mark.parametrize("cell", [(0, 0, 0, 0), (9, 16, 2, 2), (16, 28, 4, 4)])
+def test_cells_of_the_atlas_of_round_brilliants_are_what_is_measured_now(cell):
+    """Within both bounds of each other, wherever the committed file was made."""
+    plan = read_plan(COMMITTED.with_suffix(".toml"))
+    setting = next(plan.settings(tuple(slice(k, k + 1) for k in cell)))
+    now = chunk_values(plan, plan.made(setting), (0.0, 0.0))
+    with open_atlas(str(COMMITTED)) as atlas:
+        there = [float(atlas[of.name].values[cell]) for of in plan.variables]
+    np.testing.assert_allclose(now, there, atol=2 * plan.bound)
+
+
+def test_the_atlas_of_round_brilliants_has_the_leak_that_comes_at_once():
+    """At a crown of 35 degrees and lower halves of 80 %, just above a pavilion of 41.1 degrees."""
+    with open_atlas(str(COMMITTED)) as atlas:
+        leak = atlas.aset_leak.sel(crown_angle=35, lower_half=80, table=55)
+        steps = cliffs(atlas.pavilion_angle.values, leak.values, atlas.aset_bound.sel(leak.coords).values)
+    lower = leak.pavilion_angle.values[:-1][steps]
+    assert np.isclose(lower, 41.1).any()
+    assert float(leak.sel(pavilion_angle=41.1, method="nearest")) < 5
+    assert float(leak.sel(pavilion_angle=41.2, method="nearest")) > 11

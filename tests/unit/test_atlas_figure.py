@@ -10,7 +10,7 @@ import pytest
 import gemrender as gem
 from gemrender.errors import InputError
 from gemrender.report.atlas import EXCELLENT, atlas_figure
-from gemrender.report.atlas_map import atlas_map, cliffs, parameter_of, two_mains_limit
+from gemrender.sweep.atlas_map import atlas_map, cliffs, parameter_of, two_mains_limit
 from gemrender.sweep.atlas_plan_file import read_plan
 from gemrender.sweep.atlas_store import DONE, NO_STONE, AtlasStore, open_atlas
 
@@ -117,15 +117,34 @@ def test_a_jump_is_a_cliff_and_a_bend_is_none():
     )
 
 
+@pytest.mark.parametrize("middle", [-3.0, 0.1, 2.45, 5.0, 9.0])
+def test_smooth_values_have_no_cliff_wherever_they_turn(middle):
+    at = np.arange(8.0)
+    for values in (
+        (at - middle) ** 2,
+        (at - middle) ** 3,
+        np.exp(0.7 * (at - middle)),
+        np.sin(0.5 * (at - middle)),
+    ):
+        assert not cliffs(at, values, np.zeros(8)).any()
+
+
+def test_a_peak_of_one_cell_is_two_cliffs():
+    values = np.array([4.1, 4.2, 4.3, 11.2, 6.1, 6.7, 6.3, 6.4])
+    assert cliffs(np.arange(8.0), values, np.full(8, 0.2)).tolist() == [False, False, True, True] + 3 * [
+        False
+    ]
+
+
 def test_what_the_error_bounds_allow_is_no_cliff():
     at, values = np.arange(5.0), np.array([0.0, 0.0, 1.0, 1.0, 1.0])
     assert cliffs(at, values, np.full(5, 0.4)).tolist() == [False, True, False, False]
     assert not cliffs(at, values, np.full(5, 0.6)).any()
 
 
-def test_a_missing_stone_makes_no_cliff():
-    at, values = np.arange(5.0), np.array([0.0, np.nan, 9.0, 9.0, 0.0])
-    assert not cliffs(at, values, np.zeros(5))[:2].any()
+def test_where_a_side_is_missing_nothing_is_told():
+    at, values = np.arange(7.0), np.array([0.0, 9.0, 9.0, np.nan, 9.0, 0.0, 0.0])
+    assert not cliffs(at, values, np.zeros(7)).any()
 
 
 def test_the_limit_of_two_mains_is_that_of_a_ray_followed():

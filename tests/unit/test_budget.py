@@ -13,7 +13,7 @@ from beam_help import TOLD_AREA
 from exact_tolerances import TILING
 from rich.console import Console
 
-from gemrender.beam import Budget, FacetStatus, beam_stone, check_limits, measure, trace_facets
+from gemrender.beam import Budget, FacetStatus, MemoryBudget, beam_stone, check_limits, measure, trace_facets
 from gemrender.beam.budget import MEMORY_RANGE, PAUSED, TIME_RANGE
 from gemrender.beam.maps import observe
 from gemrender.beam.sensitivity import sensitivity
@@ -213,3 +213,16 @@ def test_notes_are_in_the_score_its_json_and_its_table():
 def test_a_bound_in_words_is_never_smaller_than_it_is(bound, text):
     assert bound_text(bound) == text
     assert float(text) >= bound
+
+
+# ---- Memory alone --------------------------------------------------------------------------------------
+
+
+def test_a_budget_of_memory_counts_no_time_and_keeps_to_its_memory():
+    budget = MemoryBudget(0.25)
+    time.sleep(0.01)
+    assert budget.left == TIME_RANGE[1]
+    with budget.polygon_limits() as limits, Budget(TIME_RANGE[1], 0.25).polygon_limits() as expected:
+        np.testing.assert_array_equal(limits, expected)
+    plain, within = measure(STONE, bound=1.0), measure(STONE, bound=1.0, budget=budget)
+    assert (within.average, within.bound, within.notes) == (plain.average, plain.bound, ())

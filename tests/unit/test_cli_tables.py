@@ -79,8 +79,8 @@ def test_csv_has_every_digit_of_json(gemrender):
 
 
 COMMANDS = (
-    "score", "compare", "sensitivity", "show", "report", "render", "symmetry", "tilt", "crosscheck",
-    "scene", "stones", "setups", "materials", "measures", "doctor",
+    "score", "compare", "sensitivity", "show", "report", "render", "symmetry", "tilt", "atlas",
+    "crosscheck", "scene", "stones", "setups", "materials", "measures", "doctor",
 )  # fmt: skip
 
 # ---- Widths ----------------------------------------------------------------------------------------------

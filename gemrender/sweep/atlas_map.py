@@ -225,8 +225,10 @@ def _index(atlas: xarray.Dataset, fixed: dict[str, float | str]) -> float | None
 def cliffs(at: np.ndarray, values: np.ndarray, bounds: np.ndarray) -> np.ndarray:
     """Tell between which neighbours of a row the values jump, (..., n - 1) bool.
 
-    A step is a cliff if it is over thrice as steep as each of the steps before and after it, which tell the
-    derivative there, and larger than the sum of its ends' error bounds.
+    A step is a cliff if it is over thrice as steep as the steps before and after it, which tell the
+    derivative there, and larger than the sum of its ends' error bounds. Of the two steps next to it on either
+    side the flatter one counts, as the other may be a cliff too. The first and the last step have one side
+    only, which is not enough to tell.
 
     Parameters
     ----------
@@ -236,13 +238,22 @@ def cliffs(at: np.ndarray, values: np.ndarray, bounds: np.ndarray) -> np.ndarray
         The values and their error bounds; NaN where there are none.
     """
     steps = np.abs(np.diff(values, axis=-1))
-    missing = np.full((*steps.shape[:-1], 1), np.nan)
     slopes = steps / np.diff(at)
-    before = np.concatenate([missing, slopes[..., :-1]], axis=-1)
-    after = np.concatenate([slopes[..., 1:], missing], axis=-1)
-    beside = np.fmax(before, after)
+    before, after = _beside(slopes), _beside(slopes[..., ::-1])[..., ::-1]
+    beside = np.maximum(before, after)  # NaN where one side is missing
     is_larger = slopes > STEEPER * beside  # of NaN, nothing is larger
     return np.asarray(is_larger & (steps > bounds[..., 1:] + bounds[..., :-1]))
+
+
+def _beside(slopes: np.ndarray) -> np.ndarray:
+    """Return the smaller one of the two slopes before each; NaN where there is none."""
+    return np.fmin(_shifted(slopes, 1), _shifted(slopes, 2))
+
+
+def _shifted(slopes: np.ndarray, by: int) -> np.ndarray:
+    """Return the slope so many places before each; NaN where there is none."""
+    missing = np.full((*slopes.shape[:-1], by), np.nan)
+    return np.concatenate([missing, slopes], axis=-1)[..., : slopes.shape[-1]]
 
 
 def two_mains_limit(crown_angle: np.ndarray, index: float) -> np.ndarray:
