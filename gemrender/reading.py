@@ -376,7 +376,7 @@ def text_line(values: dict[str, Any], key: str, default: str, most: int, *, empt
     return str(text).strip()
 
 
-def did_you_mean(word: str, known: Collection[str]) -> str:
+def did_you_mean(word: str, known: Collection[str], most: int = 1) -> str:
     """Return the ending of a message that guesses at what was meant, or nothing.
 
     Parameters
@@ -385,9 +385,14 @@ def did_you_mean(word: str, known: Collection[str]) -> str:
         What was written.
     known : collection of str
         What could be meant.
+    most : int
+        Most guesses; where there are several, names that begin with the word count, too.
     """
-    close = difflib.get_close_matches(word, known, n=1)
-    return f"; did you mean {close[0]}?" if close else ""
+    close = difflib.get_close_matches(word, known, n=most)
+    if most > 1 and word:
+        close += [name for name in sorted(known) if name.startswith(word) and name not in close]
+    *others, last = close[:most] or [""]
+    return f"; did you mean {', '.join(others)}{' or ' if others else ''}{last}?" if last else ""
 
 
 # ---- Bundled files -------------------------------------------------------------------------------------

@@ -22,7 +22,11 @@ def stone_template(name: str) -> str:
     InputError
         No such stone.
     """
-    return _bundled("", name)
+    files = bundled_files("")
+    if name not in files:
+        guess = did_you_mean(name, files)
+        raise InputError(f"must be a bundled stone (see: gemrender stones){guess}", key="name", value=name)
+    return files[name].read_text(encoding="utf-8")
 
 
 def setup_template(name: str) -> str:
@@ -38,11 +42,7 @@ def setup_template(name: str) -> str:
     InputError
         No such set-up.
     """
-    return _bundled("setups", name)
-
-
-def _bundled(folder: str, name: str) -> str:
-    files = bundled_files(folder)
+    files = bundled_files("setups")
     if name not in files:
         raise InputError(
             f"must be one of {', '.join(files)}{did_you_mean(name, files)}", key="name", value=name

@@ -65,6 +65,26 @@ Report No,Shape,Carat,Table %,Depth %,Crown Angle,Pavilion Angle,Girdle,Culet,St
 A1,Round Brilliant,1.01,57,61.5,34.5,40.8,Thin - Medium,None,50,80
 B2,Round,0.9,56,62.1,35,40.6,Medium,Pointed,,
 """
+FANCY_REPORTS = """\
+Report No,Shape,Carat,Measurements,L/W,Table %,Depth %,Girdle,Culet,Star,Mains
+A1,Oval Brilliant,1.08,8.10 x 5.95 x 3.70 mm,1.36,57,62.2,Medium,None,50,8
+B2,EM,1.52,7.50-5.40x3.55,,65,65.7,Slightly Thick,None,,
+C3,Cushion Modified Brilliant,1.2,6.10 x 5.90 x 3.95,1.03,60,66.9,Medium,Very Small,,
+"""
+FANCY_REPORT = """\
+name = "A report of an oval"
+[report]
+shape = "Oval Brilliant"
+table = 57
+depth = 62.2
+girdle = "Medium"
+culet = "none"
+star = 50
+[size]
+measurements = "8.10 x 5.95 x 3.70 mm"
+length_mm = 8.1
+carat = 1.08
+"""
 REPORT = """\
 name = "A report"
 [report]
@@ -178,8 +198,18 @@ def kinds() -> dict[str, tuple[list[str], str, tuple[str, ...], Callable[[Path],
     stones = [path.read_text(encoding="utf-8") for path in bundled_files("").values()]
     setups = [path.read_text(encoding="utf-8") for path in bundled_files("setups").values()]
     return {
-        "stones": ([*stones, REPORT], ".toml", NASTY, lambda path: ["score", str(path), *SCORE]),
-        "tables": ([TABLE, REPORTS], ".csv", NASTY_CELLS, lambda path: ["score", str(path), *SCORE]),
+        "stones": (
+            [*stones, REPORT, FANCY_REPORT],
+            ".toml",
+            NASTY,
+            lambda path: ["score", str(path), *SCORE],
+        ),
+        "tables": (
+            [TABLE, REPORTS, FANCY_REPORTS],
+            ".csv",
+            NASTY_CELLS,
+            lambda path: ["score", str(path), *SCORE],
+        ),
         "set-ups": (
             setups,
             ".toml",

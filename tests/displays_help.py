@@ -32,9 +32,9 @@ def boxes(figure) -> list[tuple[str, np.ndarray]]:
     return found
 
 
-def overlaps(figure) -> list[tuple[str, str]]:
-    """Return the pairs of texts whose boxes overlap."""
-    found = boxes(figure)
+def overlaps(figure, found=None) -> list[tuple[str, str]]:
+    """Return the pairs of texts whose boxes, by default all of the figure's, overlap."""
+    found = boxes(figure) if found is None else found
     return [
         (one, other)
         for i, (one, a) in enumerate(found)

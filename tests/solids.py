@@ -6,10 +6,12 @@ import math
 
 import numpy as np
 
-from gemrender.cuts import RoundBrilliant, load_stone, stone_from_vertices
+from gemrender.cuts import RoundBrilliant, bundled_stones, load_stone, stone_from_vertices
 from gemrender.cuts.round_brilliant.topology import CULET
 from gemrender.stone import Facet, MeshSolid, Stone, StoneMesh, side_of
 
+#: Bundled round brilliants of 57 facets and a girdle, as the paper's proportions describe them.
+BRILLIANTS = [name for name in bundled_stones() if load_stone(name).proportions is not None]
 _STEP = math.pi / 8
 
 

@@ -14,14 +14,14 @@ from gemrender.beam.budget import Budget, no_limits
 from gemrender.beam.polygons import EXITED, GIRDLE_CELL, TRAPPED, Traced, trace_polygons
 from gemrender.beam.rules import Rules
 from gemrender.beam.solid import NO_WEDGE, BeamStone, beam_stone
-from gemrender.beam.unfold import unfolding
+from gemrender.beam.unfold import in_common, unfolding
 from gemrender.measures import inoue
 from gemrender.observation import LIGHT_LEVEL, Model, RayStatus, View
 from gemrender.paths import Paths
 from gemrender.request import ShortForms, resolve
 from gemrender.stone import Stone
 
-__all__ = ["FacetStatus", "VirtualFacets", "along_paths", "kernel_rules", "polygon_paths", "trace_facets"]
+__all__ = ["FacetStatus", "VirtualFacets", "kernel_rules", "polygon_paths", "trace_facets"]
 
 #: Virtual facets of a smaller area do not count among them: slivers that rounding makes [girdle radius^2].
 SMALLEST_FACET = 1e-12
@@ -153,36 +153,9 @@ class VirtualFacets:
         images = self.stone.symmetry.images[: len(self.wedge)]  # of the mirrors beside the wedge
         stays = images == np.arange(images.shape[1])  # of each facet, a bit for each mirror
         bits = (stays << np.arange(len(stays))[:, None]).sum(axis=0)
-        in_both = along_paths(self.nodes[:, 0], bits[self.nodes[:, 1]], np.bitwise_and)[self.node]
+        in_both = in_common(self.nodes, bits)[self.node]
         number = np.array([0, 1, 1, 2])[in_both]
         return np.asarray(np.where(number == 2, 1, self.parts >> number))
-
-
-def along_paths(parents: np.ndarray, values: np.ndarray, combine: np.ufunc) -> np.ndarray:
-    """Combine the values of all nodes from the eye to each node, parents before children.
-
-    By doubling: after each round every node knows twice as many of those before it.
-
-    Parameters
-    ----------
-    parents : (k,) int64
-        Of each node its parent, -1 at the crown.
-    values : (..., k) array
-        Value of each node.
-    combine : ufunc
-        Associative.
-
-    Returns
-    -------
-    (..., k) array
-    """
-    out, before = values, parents
-    while (before >= 0).any():
-        more = np.flatnonzero(before >= 0)
-        out = out.copy()
-        out[..., more] = combine(out[..., before[more]], out[..., more])
-        before = np.where(before >= 0, before[before], -1)
-    return out
 
 
 def kernel_rules(model: Model, least: float = 0.0) -> Rules:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from gemrender.beam.budget import Budget
-from gemrender.beam.compiled import jit
+from gemrender.beam.compiled import jit_with_arrays
 from gemrender.beam.crossing import into_stone
 from gemrender.beam.near_girdle import by_sets, more_rays, next_points
 from gemrender.beam.rays import (
@@ -180,7 +180,7 @@ class _Crown:
         return rays, areas
 
 
-@jit
+@jit_with_arrays
 def _fall(
     unit: Any, corners: Any, triangle_areas: Any, ends: Any, plane_areas: Any, normals: Any, facet: Any,
     first: float, width: float, index: float, rays: Any, areas: Any,

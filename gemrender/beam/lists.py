@@ -168,7 +168,7 @@ def empty_work(p: int, more: int, kind: np.dtype) -> Work:
         sums=np.zeros(3),
         table=np.empty((3, most, 3), kind),
         distances=np.empty((p, 3), kind),
-        ahead=Ahead(np.empty((2, p)), np.empty((2, p), np.int64), np.empty((p, most))),
+        ahead=Ahead(np.empty(p), np.empty((2, p), np.int64), np.empty((p, most))),
     )
     return _with_capacity(work)
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from gemrender.beam.budget import Budget
-from gemrender.beam.compiled import jit
+from gemrender.beam.compiled import jit_with_arrays
 from gemrender.beam.facets import FacetStatus, VirtualFacets, trace_facets
 from gemrender.beam.measure import measure_facets
 from gemrender.beam.rays import CODE, empty_rays, enter_rays, follow_rays, ray_paths
@@ -125,7 +125,7 @@ def pixel_facets(facets: VirtualFacets, points: np.ndarray, view: View, first_ro
     return owner
 
 
-@jit
+@jit_with_arrays
 def _draw(
     corners: Any, starts: Any, ends: Any, names: Any, points: Any, resolution: int, half_width: float,
     first_row: int, owner: Any,
@@ -177,7 +177,7 @@ def _path_codes(facets: VirtualFacets) -> np.ndarray:
     parents, facet = facets.nodes.T
     codes = facet + 1
     before, factors = parents, np.full(len(parents), PATH_CODE_FACTOR)
-    while (before >= 0).any():  # by doubling, as `along_paths` does
+    while (before >= 0).any():  # by doubling: each round every node knows twice as many before it
         more = np.flatnonzero(before >= 0)
         codes, factors = codes.copy(), factors.copy()
         earlier = before[more]

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from gemrender.beam.ahead import planes_ahead
+from gemrender.beam.ahead import box_around, planes_ahead
 from gemrender.beam.beams import (
     BEAM,
     beam_at,
@@ -30,6 +30,7 @@ from gemrender.beam.beams import (
     moved,
     seen_at,
     turned,
+    write_beam,
     write_distance,
 )
 from gemrender.beam.clipping import area, keep_below
@@ -225,6 +226,41 @@ def _leave(
     return written
 
 
+@jit_inner
+def _go_on_whole(
+    solid: Any, rules: Any, inner: float, work: Any, beam: Any, path: Any, n: int, size: float
+) -> Any:  # fmt: skip
+    """Follow a polygon as long as all of it is totally reflected by one plane.
+
+    Returns
+    -------
+    beam, path : Beam, Path
+        After that.
+    count : int
+        How many planes it may meet next (`planes_ahead`).
+    """
+    planes, nodes, used = solid.planes, work.nodes, work.used
+    corners, candidates = work.table[2], work.ahead.planes[1]
+    box, goes_on = box_around(corners, n), size >= _LEAST_AREA
+    while True:
+        count = planes_ahead(solid.columns, beam, box, corners, n, work.ahead)
+        i, here = candidates[0], used[0]
+        nx, ny, nz = planes[i, 0], planes[i, 1], planes[i, 2]
+        cos = nx * beam.dx + ny * beam.dy + nz * beam.dz
+        goes_on &= count == 1 and is_total(cos, rules.refractive_index)
+        if not goes_on or path.reflections >= rules.max_reflections or here == nodes.shape[0]:
+            return beam, path, count
+        write_distance(planes[i], beam, work.distances[i])
+        met = moved(beam, work.distances[i])
+        if not is_within(corners, n, met, inner):
+            return beam, path, count
+        nodes[here, 0], nodes[here, 1] = path.node, i
+        used[0] = here + 1
+        dx, dy, dz = beam.dx - 2.0 * cos * nx, beam.dy - 2.0 * cos * ny, beam.dz - 2.0 * cos * nz
+        beam = turned(met, dx, dy, dz)
+        path = Path(here, path.reflections + 1, path.entry, path.partial, path.weight)
+
+
 @jit
 def follow_polygons(solid: Any, rules: Any, seen: float, limits: Any, work: Any) -> bool:
     """Follow the polygons that wait until they leave the stone.
@@ -259,21 +295,26 @@ def follow_polygons(solid: Any, rules: Any, seen: float, limits: Any, work: Any)
         for k in range(n):
             table[2, k, 0], table[2, k, 1] = waiting.corners[first + k, 0], waiting.corners[first + k, 1]
         beam = beam_at(waiting.numbers, top)
-        count = planes_ahead(solid.columns, beam, table[2], n, work.ahead)
-        if not has_room(n, count, walls.shape[0], done.used, waiting.used, used, work.room):
-            return False
         path = Path(facts[2], facts[3], facts[4], facts[6], real(waiting.numbers[top, BEAM + 1]))
         left = real(size)
-        waiting.used[0], waiting.used[1] = first, top
 
         held = NODE_BYTES * used[0] + CORNER_BYTES * done.used[0] + POLYGON_BYTES * done.used[1]
         too_many = held > limits[1] or (held > 0.5 * limits[1] and left < limits[2] * seen)
         if left < limits[0] * seen or too_many:
+            if not has_room(n, 1, 0, done.used, waiting.used, used, work.room):
+                return False
+            waiting.used[0], waiting.used[1] = first, top
             if path.partial == 0:
                 work.sums[NO_MEMORY if too_many else NO_TIME] += left
             add(done, GIRDLE_CELL, path, _NONE, beam, table, _WHOLE, n, size)
             continue
 
+        beam, path, count = _go_on_whole(solid, rules, inner, work, beam, path, n, left)
+        if not has_room(n, count, walls.shape[0], done.used, waiting.used, used, work.room):
+            write_beam(beam, waiting.numbers, top)
+            facts[2], facts[3] = path.node, path.reflections
+            return False
+        waiting.used[0], waiting.used[1] = first, top
         for c in range(count):
             write_distance(planes[candidates[c]], beam, distances[candidates[c]])
         for c in range(count):

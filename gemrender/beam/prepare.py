@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numba.core.registry import cpu_target
 
-from gemrender.beam import polygons, rim
+from gemrender.beam import polygons, rim, unfold
 from gemrender.beam import rays as ray_kernels
 from gemrender.beam.cache import KernelCache
 from gemrender.beam.facets import trace_facets
@@ -102,6 +102,7 @@ def _kernels() -> tuple[Any, ...]:
     return (
         polygons.see_facets,
         polygons.follow_polygons,
+        unfold.write_in_common,
         rim.line_points,
         ray_kernels.enter_rays,
         ray_kernels.follow_rays,

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from gemrender.beam.compiled import jit, jit_fast, jit_inner
+from gemrender.beam.compiled import jit_fast, jit_inner, jit_with_arrays
 from gemrender.beam.crossing import PARALLEL, into_air, reflected_share
 from gemrender.observation import PATH_CODE_FACTOR, PATH_CODE_MASK, RayStatus
 from gemrender.optics.fresnel import LEAST_TOTAL
@@ -303,7 +303,7 @@ def _divide(index: float, block: Any, k: int, rays: Any, column: int) -> int:
     return on
 
 
-@jit
+@jit_with_arrays
 def enter_rays(points: Any, basis: Any, solid: Any, facet: Any, index: float, rays: Any) -> None:
     """Send rays from the eye into a stone.
 
@@ -346,7 +346,7 @@ def enter_rays(points: Any, basis: Any, solid: Any, facet: Any, index: float, ra
                     numbers[UNFOLD + 4 * j, ray] = 1.0
 
 
-@jit
+@jit_with_arrays
 def follow_rays(solid: Any, facet: Any, index: float, max_reflections: int, rays: Any) -> int:
     """Follow rays that are inside a stone until they leave.
 

@@ -1,4 +1,4 @@
-"""The stone unfolded along paths, compiled: the reflections of each node of a tree of paths as one matrix."""
+"""What is gathered along paths, compiled: for each node of a tree of paths from all nodes before it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from gemrender.beam.compiled import jit
 
-__all__ = ["unfolding"]
+__all__ = ["in_common", "unfolding", "write_in_common"]
 
 
 def unfolding(nodes: np.ndarray, planes: np.ndarray) -> np.ndarray:
@@ -41,3 +41,26 @@ def _unfold(nodes: Any, planes: Any, out: Any) -> None:
                 twice = 2.0 * (a * nx + b * ny + c * nz)
                 a, b, c = a - twice * nx, b - twice * ny, c - twice * nz
             out[k, j, 0], out[k, j, 1], out[k, j, 2] = a, b, c
+
+
+def in_common(nodes: np.ndarray, bits: np.ndarray) -> np.ndarray:
+    """Return the bits that all facets from the eye to each node have in common, (k,) int64.
+
+    Parameters
+    ----------
+    nodes : (k, 2) int64
+        As for `unfolding`.
+    bits : (p,) int64
+        Of each facet.
+    """
+    out = np.empty(len(nodes), np.int64)
+    write_in_common(nodes, bits, out)
+    return out
+
+
+@jit
+def write_in_common(nodes: Any, bits: Any, out: Any) -> None:
+    """Write what `in_common` returns."""
+    for k in range(nodes.shape[0]):
+        parent, own = nodes[k, 0], bits[nodes[k, 1]]
+        out[k] = own & out[parent] if parent >= 0 else own

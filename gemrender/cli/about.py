@@ -20,6 +20,12 @@ def _show_option(words: str, complete: Any) -> Any:
     return typer.Option("--show", metavar="NAME", help=words, autocompletion=complete, rich_help_panel=OUTPUT)
 
 
+def _family_names() -> list[str]:
+    from gemrender.cuts.families import families
+
+    return list(families())
+
+
 @command
 def stones(
     table: TableOptions,
@@ -27,15 +33,27 @@ def stones(
         str | None,
         _show_option("Print the file of one instead, to start from.", complete_words(bundled_names)),
     ] = None,
+    family: Annotated[
+        str | None,
+        typer.Option(
+            "--family",
+            metavar="NAME",
+            help="Only those of a family, as oval, or a laboratory's word for it.",
+            autocompletion=complete_words(_family_names),
+        ),
+    ] = None,
 ) -> None:
-    """List the bundled stones and their proportions."""
+    """List the bundled stones and their proportions, or those of a family of cuts."""
     from gemrender.report.catalogue import stone_records, stone_table
     from gemrender.templates import stone_template
 
     if show is not None:
         _print_template(stone_template, show)
         return
-    print_records(table.chosen, tables=lambda: [stone_table()], records=stone_records)
+    with named_as("--family"):
+        print_records(
+            table.chosen, tables=lambda: [stone_table(family)], records=lambda: stone_records(family)
+        )
 
 
 @command

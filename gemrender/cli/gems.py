@@ -87,7 +87,8 @@ class GemOptions:
         number_option(
             "--diameter",
             "millimetres",
-            "Girdle diameter, or longer side, of each pictured stone; by default what its file says, else 6.5.",
+            "Girdle diameter, or longer side, of each pictured stone; by default what its file says, else "
+            "6.5.",
             metavar="MM",
             rich_help_panel=GEMS,
         ),

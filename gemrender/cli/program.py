@@ -20,6 +20,7 @@ from gemrender.cli.atlas import atlas
 from gemrender.cli.compare import compare
 from gemrender.cli.convert import convert
 from gemrender.cli.crosscheck import crosscheck
+from gemrender.cli.improve import improve
 from gemrender.cli.inspect import inspect
 from gemrender.cli.measures import measures
 from gemrender.cli.output import say
@@ -31,6 +32,7 @@ from gemrender.cli.sensitivity import sensitivity
 from gemrender.cli.show import show
 from gemrender.cli.symmetry import symmetry
 from gemrender.cli.tilt import tilt
+from gemrender.cli.tolerance import tolerance
 from gemrender.cli.values import OptionError, listed
 from gemrender.errors import GemrenderError, GemrenderWarning, InputError
 from gemrender.interruption import interrupted_by_signals
@@ -61,8 +63,8 @@ app = typer.Typer(
 )
 
 for _command in (
-    score, compare, sensitivity, show, report, render, symmetry, tilt, atlas, crosscheck, scene, convert,
-    inspect, stones, setups, materials, measures, doctor,
+    score, compare, sensitivity, show, report, render, symmetry, tilt, tolerance, improve, atlas, crosscheck,
+    scene, convert, inspect, stones, setups, materials, measures, doctor,
 ):  # fmt: skip
     app.command()(_command)
 

@@ -29,11 +29,14 @@ from gemrender.stereo import EYE_DISTANCE, EYE_SEPARATION
 if TYPE_CHECKING:
     from gemrender.cli.stones import LoadedStones
     from gemrender.scoring import Score
+    from gemrender.sweep.tolerance import ToleranceStudy
 
 __all__ = ["score"]
 
 #: From so many stones on, the time that they took is told.
 _MANY = 100
+#: Of up to so many stones of reports it is told what their rounding does, by so many draws.
+_FEW, _ROUNDED = 3, 64
 
 
 @command
@@ -82,6 +85,7 @@ def score(
 ) -> None:
     """Score stones: Average, Rear and the bands of the top view, and further measures."""
     from gemrender.report.tables import score_record, score_tables, score_values
+    from gemrender.report.tolerance import rounding_text, rounding_values
 
     form = table.chosen
     options, measures = trace_options(engine, model, view), measure_options(measured)
@@ -99,10 +103,16 @@ def score(
         print_csv(score_record(s, loaded.setting(i)) for i, s in enumerate(scored))
     else:
         scores = list(scored)
+        rounded = _within_rounding(loaded, options)
         print_records(
             form,
-            tables=lambda: score_tables(scores, loaded.settings, loaded.notes),
-            values=lambda: [score_values(s, loaded.setting(i)) for i, s in enumerate(scores)],
+            tables=lambda: score_tables(
+                scores, loaded.settings, [*loaded.notes, *map(rounding_text, rounded.values())]
+            ),
+            values=lambda: [
+                score_values(s, loaded.setting(i)) | (rounding_values(rounded[i]) if i in rounded else {})
+                for i, s in enumerate(scores)
+            ],
             records=list,
         )
     if form in ("csv", "json"):
@@ -111,6 +121,21 @@ def score(
         say(f"{len(loaded)} stones in {time.monotonic() - started:.1f} s")
     if out is not None:
         say(f"maps written to {out}")
+
+
+def _within_rounding(loaded: LoadedStones, options: dict[str, Any]) -> dict[int, ToleranceStudy]:
+    """Return how the scores of a few stones of reports spread within these reports' rounding, by number."""
+    from gemrender.engines import engine_for
+    from gemrender.sweep.tolerance import study_tolerance
+    from gemrender.sweep.unknown import Rounding
+
+    if len(loaded) > _FEW:
+        return {}
+    return {
+        i: study_tolerance(stone, Rounding.of(stone), draws=_ROUNDED, options={**options, "bound": 0.1})
+        for i, stone in enumerate(loaded.stones)
+        if stone.description == "report" and engine_for(options["engine"], stone) == "exact"
+    }
 
 
 def _print_stereo(loaded: LoadedStones, options: dict[str, Any], form: str) -> None:

@@ -43,8 +43,10 @@ class StoneOptions:
 
 
 def assumptions(source: str, stone: Stone) -> list[str]:
-    """Return what was assumed of a stone, as its file left it out; a line each."""
-    return [f"{source}: taken: {words}" for words in stone.assumed]
+    """Return what was assumed of a stone, as its file left it out, in lines."""
+    from gemrender.cuts.stones import taken_lines
+
+    return [f"{source}: taken: {words}" for words in taken_lines(stone.assumed)]
 
 
 class LoadedStones:

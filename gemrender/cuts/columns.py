@@ -5,12 +5,15 @@ from __future__ import annotations
 import difflib
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cache
 
+from gemrender.cuts.families import families
+from gemrender.cuts.families.stated import stated_keys
 from gemrender.errors import InputError
 from gemrender.reading import did_you_mean
 
-__all__ = ["ALIASES", "Columns", "known_column", "match_columns"]
+__all__ = ["ALIASES", "SIZE_ALIASES", "Columns", "known_column", "match_columns"]
 
 #: Names of each column, as `_folded` leaves them: without case, blanks, punctuation and units ("Table %",
 #: "TABLE_PCT" and "table (%)" are all "table"). The first name of each is that of stone files.
@@ -47,7 +50,38 @@ ALIASES: dict[str, tuple[str, ...]] = {
     "index": ("index", "materialindex", "refractiveindex", "ri"),
 }  # fmt: skip
 
+#: The same of columns that tell the size of a stone, and of its length over its width: of use for shapes
+#: that are not round. Millimetres are told from per cent by their names.
+SIZE_ALIASES: dict[str, tuple[str, ...]] = {
+    "measurements": (
+        "measurements", "measurement", "measurementsmm", "measurementmm", "meas", "measmm", "dimensions",
+        "dimension", "dimensionsmm", "dims", "dim", "lxwxd", "lwd", "mm",
+    ),
+    "length_mm": (
+        "lengthmm", "length", "len", "lenmm", "measurementslength", "measurementlength", "measlength",
+        "measlengthmm", "lengthofstone", "stonelength",
+    ),
+    "width_mm": (
+        "widthmm", "width", "wid", "measurementswidth", "measurementwidth", "measwidth", "measwidthmm",
+        "stonewidth",
+    ),
+    "depth_mm": (
+        "depthmm", "totaldepthmm", "heightmm", "height", "measurementsdepth", "measurementdepth", "measdepth",
+        "measdepthmm", "measurementsheight", "measheight", "stonedepth", "stoneheight",
+    ),
+    "diameter_mm": ("diametermm", "diameter", "diam", "dia", "diammm"),
+    "carat": (
+        "carat", "carats", "ct", "cts", "weight", "wt", "caratweight", "caratwt", "weightct", "weightcts",
+        "weightcarat", "weightcarats", "caratsize", "ctsize", "ctweight", "ctwt", "cttw",
+    ),
+    "length_to_width": (
+        "lengthtowidth", "lengthwidth", "lengthtowidthratio", "lengthwidthratio", "lw", "lwratio", "ratio",
+        "ltow", "ltowratio", "aspectratio",
+    ),
+}  # fmt: skip
+
 _KEY = {alias: key for key, aliases in ALIASES.items() for alias in aliases}
+_SIZE_KEY = {alias: key for key, aliases in SIZE_ALIASES.items() for alias in aliases}
 #: What describes a cut; the rest does in any table.
 _CUT = {key for key in ALIASES if key not in ("name", "material", "index", "shape", "star")}
 _UNITS = {
@@ -72,12 +106,15 @@ class Columns:
     title : dict of str to str
         What the table calls it.
     unused : tuple of str
-        Titles of the columns that are not used.
+        Titles of the columns that round brilliants do not use.
+    others : dict of str to int
+        Where columns are that stones of other shapes use besides, by key: of `SIZE_ALIASES`, or of a family.
     """
 
     place: dict[str, int]
     title: dict[str, str]
     unused: tuple[str, ...]
+    others: dict[str, int] = field(default_factory=dict)
 
 
 def _folded(title: str) -> tuple[str, bool]:
@@ -127,10 +164,35 @@ def match_columns(titles: Sequence[str]) -> Columns | None:
     place = {key: _one(key, places, titles) for key, places in found.items()}
     used = set(place.values())
     unused = tuple(title.strip() for i, title in enumerate(titles) if i not in used and title.strip())
+    others = _others(titles, place)
+    known = {titles[i].strip() for i in others.values()}
     for title in unused:
-        if meant := _slip(title, found):
+        if title not in known and (meant := _slip(title, found)):
             raise InputError(f"unknown column{did_you_mean(meant, [meant])}", key=title)
-    return Columns(place, {key: titles[i].strip() for key, i in place.items()}, unused)
+    title_of = {key: titles[i].strip() for key, i in (others | place).items()}
+    return Columns(place, title_of, unused, others)
+
+
+def _others(titles: Sequence[str], place: dict[str, int]) -> dict[str, int]:
+    """Find columns of sizes and of parameters of families; the first of those for one thing."""
+    found: dict[str, int] = {}
+    for i, title in enumerate(titles):
+        if i in place.values():
+            continue
+        name = _folded(title)[0]
+        key = _SIZE_KEY.get(name) or _family_keys().get(name)
+        if key is None and _KEY.get(name) == "depth":  # the other one is in per cent
+            key = "depth_mm"
+        if key is not None and key not in place:
+            found.setdefault(key, i)
+    return found
+
+
+@cache
+def _family_keys() -> dict[str, str]:
+    """Return the keys of families that have no other names, by their names as `_folded` leaves them."""
+    keys = (key for kind in families().values() for key in stated_keys(kind))
+    return {name: key for key in keys if (name := _folded(key)[0]) not in _KEY and name not in _SIZE_KEY}
 
 
 def _one(key: str, places: list[int], titles: Sequence[str]) -> int:

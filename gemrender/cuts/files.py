@@ -5,32 +5,35 @@ Whatever is wrong with a file is told in one line: the file, the key, the value,
 
 from __future__ import annotations
 
-import csv
 import os
 import sys
+from collections.abc import Callable
+from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+from gemrender.cuts.bundled import bundled_stones, find_stone, no_such_stone
 from gemrender.cuts.content import DESIGN_KINDS, SOLID_KINDS, kind_of_file
 from gemrender.cuts.families import families
-from gemrender.cuts.families.stated import from_values
+from gemrender.cuts.families.stated import from_values, stated_keys
 from gemrender.cuts.families.suggest import stone_of
+from gemrender.cuts.fancy_reports import fancy_keys, fancy_stone
 from gemrender.cuts.laboratory import DEFAULTS, REPORT_KEYS, missing_parts, read_report
 from gemrender.cuts.load import load_design_file
+from gemrender.cuts.measurements import SIZE_KEYS, read_size
 from gemrender.cuts.mesh_stone import check_up
-from gemrender.cuts.round_brilliant import stone_from_vertices
 from gemrender.cuts.round_brilliant.proportions import ANGLE_RANGES, RANGES, RoundBrilliant, checked_values
-from gemrender.cuts.round_brilliant.topology import N_VERTICES, VERTEX_LABELS
+from gemrender.cuts.shape_words import read_shape
+from gemrender.cuts.size import StatedSize
 from gemrender.cuts.stones import LONGEST_NAME, OneStone, Stones
 from gemrender.cuts.table import is_table, open_table
+from gemrender.cuts.vertices import A_CSV, load_vertices, save_vertices
 from gemrender.errors import InputError
 from gemrender.mistakes import Mistakes
 from gemrender.reading import LONGEST_LINE as LONGEST_LINE
 from gemrender.reading import MOST_BYTES as MOST_BYTES
 from gemrender.reading import (
-    bundled_files,
     did_you_mean,
     located_at,
     parse_toml,
@@ -42,7 +45,6 @@ from gemrender.reading import (
     text_line,
 )
 from gemrender.stone import Stone
-from gemrender.writing import write_whole
 
 __all__ = ["bundled_stones", "load_stone", "load_stones", "read_cut", "save_vertices"]
 
@@ -55,15 +57,12 @@ _SECTIONS: dict[str, tuple[str, ...]] = {
     "report": REPORT_KEYS,
     "mesh": ("file", "up"),
     "material": ("name", "index"),
+    "size": SIZE_KEYS,
 }  # fmt: skip
 #: What only reports state: [angles] with one of them is read as [report] is, as where it lacks the star.
 _OF_REPORTS = ("depth", "girdle", "culet", "shape")
 _SHAPES = ("proportions", "angles", "report", "cut", "vertices", "design", "mesh")
-_TOP = ("name", *_SHAPES, "material")
-
-_COLUMNS = ("label", "x", "y", "z")
-_A_CSV = f"a CSV file with {N_VERTICES} rows {', '.join(_COLUMNS)}"
-_ROWS = "8 table corners, 8 star tips, 16 upper and 16 lower girdle vertices, 8 contacts, the culet"
+_TOP = ("name", *_SHAPES, "material", "size")
 
 
 def load_stone(stone: str | os.PathLike[str]) -> Stone:
@@ -115,70 +114,16 @@ def load_stones(stones: str | os.PathLike[str]) -> Stones:
     InputError
         As `load_stone`; of a table, the first bad row is told.
     """
-    path = _find(os.fspath(stones))
+    path = find_stone(os.fspath(stones))
     # A file that cannot be read is told by who reads it.
     kind = kind_of_file(path) or path.suffix.lower().lstrip(".")
     if kind == "tsv" or (kind == "csv" and is_table(path)):
-        return open_table(path, missing=_no_such_file(path))
+        return open_table(path, missing=no_such_stone(path))
     if kind == "csv":
-        return OneStone(_measured(path, name=stem(path, "stone")))
+        return OneStone(load_vertices(path, name=stem(path, "stone"), missing=no_such_stone(path)))
     if kind in (*DESIGN_KINDS, *SOLID_KINDS):
-        return OneStone(load_design_file(path, missing=_no_such_file(path)))
+        return OneStone(load_design_file(path, missing=no_such_stone(path)))
     return OneStone(_from_toml(path))
-
-
-def bundled_stones() -> list[str]:
-    """Return the names of the stones that come with gemrender, in alphabetical order."""
-    return sorted(bundled_files(""))
-
-
-def save_vertices(stone: Stone, path: str | os.PathLike[str]) -> None:
-    """Write a stone's 57 vertices as CSV, with all their digits: loaded again they are equal to the last bit.
-
-    Parameters
-    ----------
-    stone : Stone
-        The stone; its vertices are written in its own frame [girdle radius].
-    path : str or path-like
-        File to write, ending in .csv, whole or not at all; a file that is there is replaced.
-
-    Raises
-    ------
-    InputError
-        The file cannot be written.
-    """
-    rows = [
-        (label, *map(repr, xyz)) for label, xyz in zip(VERTEX_LABELS, stone.vertices.tolist(), strict=True)
-    ]
-    text = "".join(",".join(row) + "\n" for row in (_COLUMNS, *rows))
-    target = Path(path)
-    try:
-        write_whole(
-            target.parent, {target.name: lambda made: made.write_text(text, encoding="utf-8", newline="\n")}
-        )
-    except InputError as error:
-        raise InputError(error.allowed, source=os.fspath(path)) from error
-
-
-# ---- Finding files -------------------------------------------------------------------------------------
-
-
-def _find(stone: str) -> Path:
-    path, bundled = Path(stone), bundled_files("")
-    if not stone.strip():
-        raise InputError(
-            f"must be a stone file or one of {', '.join(sorted(bundled))}", key="stone", value=stone
-        )
-    if stone in bundled and not path.is_file():  # a folder of that name may well hold earlier results
-        return bundled[stone]
-    return path
-
-
-def _no_such_file(path: Path) -> str:
-    if path.name != str(path):
-        return "no such file"
-    names = bundled_stones()
-    return f"no such file; the bundled stones are {', '.join(names)}{did_you_mean(path.stem, names)}"
 
 
 # ---- TOML ----------------------------------------------------------------------------------------------
@@ -186,11 +131,15 @@ def _no_such_file(path: Path) -> str:
 
 def _from_toml(path: Path) -> Stone:
     source = str(path)
+    size: StatedSize | None = None
+    made: _Made | None = None
     with located_at(source), Mistakes() as mistakes:
-        top = parse_toml(read_lines(path, kind="stone", missing=_no_such_file(path)), kind="stone")
+        top = parse_toml(read_lines(path, kind="stone", missing=no_such_stone(path)), kind="stone")
         mistakes.of(refuse_unknown, top, _TOP, hint=_home)
         name = mistakes.of(text_line, top, "name", stem(path, "stone"), LONGEST_NAME)
         material = mistakes.of(_material, top, mistakes)
+        if "size" in top:
+            size = mistakes.of(_size, top, mistakes)
         given = [key for key in _SHAPES if key in top]
         if not given and any(key not in _TOP for key in top):  # one of them misspelt
             mistakes.refuse()
@@ -201,24 +150,21 @@ def _from_toml(path: Path) -> Stone:
             )
         shape = given[0]
         if shape == "cut":
-            cut, taken = read_cut(top["cut"])
+            made = _cut(top["cut"], size, source)
         elif shape == "vertices":
-            vertices = _named_file(top["vertices"], path, "vertices", _A_CSV)
+            vertices = _named_file(top["vertices"], path, "vertices", A_CSV)
         elif shape == "design":
             design = _named_file(top["design"], path, "design", _a_file(DESIGN_KINDS))
         elif shape == "mesh":
             mesh, up = _mesh(top, path, mistakes)
         else:
-            proportions, assumed = _proportions(top, shape, mistakes)
-    if shape == "cut":
-        with located_at(source, shape):
-            return stone_of(
-                cut, name=str(name), material=material, source=source, description=shape, assumed=taken
-            )
+            made = _reported(top, shape, size, source, mistakes)
+    agreed: tuple[str, ...] = ()
     if shape == "vertices":
-        return _measured(vertices, name=str(name), material=material, toml=path)
-    if shape in ("design", "mesh"):
-        return load_design_file(
+        missing = f"no such file; named by vertices in {path}"
+        stone = load_vertices(vertices, name=str(name), material=material, toml=path, missing=missing)
+    elif shape in ("design", "mesh"):
+        stone = load_design_file(
             design if shape == "design" else mesh,
             name=str(name),
             material=material,
@@ -227,49 +173,77 @@ def _from_toml(path: Path) -> Stone:
             kinds=DESIGN_KINDS if shape == "design" else SOLID_KINDS,
             missing=f"no such file; named by {shape} in {path}",
         )
-    assert proportions is not None
-    with located_at(source, shape):
-        return Stone.from_proportions(
-            proportions,
-            name=str(name),
-            material=material,
-            source=source,
-            description=shape,
-            assumed=assumed,
-        )
+    else:
+        assert made is not None
+        make, agreed = made
+        with located_at(source, shape):
+            stone = make(name=str(name), material=material, source=source, description=shape)
+    if size is None:
+        return stone
+    with located_at(source, "size"):
+        return size.sized(stone, agreed)
 
 
-def _proportions(
-    top: dict[str, Any], shape: str, mistakes: Mistakes
-) -> tuple[RoundBrilliant | None, tuple[str, ...]]:
-    """Return the proportions that a section gives, and what was assumed; none where it has mistakes."""
-    before = len(mistakes.errors)
+#: What makes the stone of its facts, and the proportions that agree with the millimetres.
+_Made = tuple[Callable[..., Stone], tuple[str, ...]]
+
+
+def _reported(
+    top: dict[str, Any], shape: str, size: StatedSize | None, source: str, mistakes: Mistakes
+) -> _Made | None:
+    """Return what makes the stone of [report], [angles] or [proportions]; nothing where it has mistakes."""
     is_report = shape == "report" or (shape == "angles" and _is_report(top[shape]))
+    if is_report and isinstance(top[shape], dict) and "shape" in top[shape]:
+        with located_at(None, shape):
+            word = read_shape(str(top[shape]["shape"]))
+        if not word.is_round_brilliant:
+            values = section(top, shape, fancy_keys(word.kind), _home, mistakes)
+            return (
+                lambda **facts: fancy_stone(word, values, size, size_source=source, **facts)[0],
+                stated_keys(word.kind),
+            )
+    return _round_brilliant(top, shape, is_report, size, source, mistakes)
+
+
+def _round_brilliant(
+    top: dict[str, Any],
+    shape: str,
+    is_report: bool,
+    size: StatedSize | None,
+    source: str,
+    mistakes: Mistakes,
+) -> _Made | None:
+    before = len(mistakes.errors)
     keys = REPORT_KEYS if is_report else _SECTIONS[shape]
     values = section(top, shape, keys, _home, mistakes)
     misspelt = len(mistakes.errors) > before
+    by_size: dict[str, float] = {}
+    if is_report and size is not None:
+        with located_at(None, "size"):
+            by_size = size.depth_of_round(values)
 
-    def made() -> tuple[RoundBrilliant | None, tuple[str, ...]]:
-        with located_at(None, shape):
+    def made() -> _Made | None:
+        with located_at(None, shape), nullcontext() if size is None else size.blamed(by_size, source):
             if is_report:
                 checked_values({key: value for key, value in values.items() if _has_range(key, value)})
-                if missing_parts(values):
-                    return None, ()
-                report = read_report(values)
-                return report.proportions, tuple(map(str, report.assumed))
+                if missing_parts(values | by_size):
+                    return None
+                report = read_report(values | by_size)
+                assumed = tuple(map(str, report.assumed))
+                return partial(stone_of, report.cut, assumed=assumed), ("depth",)
             if len(values) == len(keys):
                 make = RoundBrilliant if shape == "proportions" else RoundBrilliant.from_angles
-                return make(**values), ()
+                return partial(stone_of, make(**values)), ()
             checked_values(values)
-            return None, ()
+            return None
 
     found = mistakes.of(made)
     if not misspelt:
         if not is_report:
             refuse_missing(values, keys, shape)
-        elif missing := missing_parts(values):
+        elif missing := missing_parts(values | by_size):
             raise InputError(f"needs {missing}", key=f"[{shape}]")
-    return found or (None, ())
+    return found
 
 
 def _has_range(key: str, value: object) -> bool:
@@ -317,6 +291,15 @@ def _material(top: dict[str, Any], mistakes: Mistakes) -> str | float | None:
     return float(index)
 
 
+def _size(top: dict[str, Any], mistakes: Mistakes) -> StatedSize | None:
+    before = len(mistakes.errors)
+    values = section(top, "size", _SECTIONS["size"], _home, mistakes)
+    if not values and len(mistakes.errors) > before:  # one of them misspelt
+        return None
+    with located_at(None, "size"):
+        return read_size(values)
+
+
 def _mesh(top: dict[str, Any], toml: Path, mistakes: Mistakes) -> tuple[Path, str | None]:
     """Return the mesh that a file names, by `mesh = "file.stl"` or in a section, and its way up."""
     if not isinstance(top["mesh"], dict):
@@ -329,25 +312,44 @@ def _mesh(top: dict[str, Any], toml: Path, mistakes: Mistakes) -> tuple[Path, st
 
 
 def read_cut(values: object) -> tuple[Any, tuple[str, ...]]:
-    """Return the cut that [cut] describes, a family by its name and its parameters, and what was taken.
+    """Return the cut that a section [cut] describes, by its family and parameters, and what was taken.
 
     Raises
     ------
     InputError
         No such family, or what `from_values` refuses.
     """
+    kind, stated = _stated_cut(values)
+    with located_at(None, "cut"):
+        return from_values(kind, stated)
+
+
+def _cut(values: object, size: StatedSize | None, source: str) -> _Made:
+    """Return what makes the stone of [cut], with the proportions that its millimetres give."""
+    kind, stated = _stated_cut(values)
+    by_size: dict[str, float] = {}
+    if size is not None:
+        with located_at(None, "size"):
+            by_size = size.proportions(kind, stated)
+    with located_at(None, "cut"), nullcontext() if size is None else size.blamed(by_size, source):
+        cut, assumed = from_values(kind, stated | by_size)
+    return partial(stone_of, cut, assumed=assumed), stated_keys(kind)
+
+
+def _stated_cut(values: object) -> tuple[Any, dict[str, Any]]:
+    """Return the family that [cut] names, and what it states of the cut."""
     known = families()
     allowed = ", ".join(f'"{name}"' for name in known)
     with located_at(None, "cut"):
         if not isinstance(values, dict) or "family" not in values:
             raise InputError(f"missing; must be one of {allowed}", key="family")
         family = values["family"]
-        name = " ".join(str(family).lower().replace("-", " ").replace("_", " ").split())
-        if name not in known:
-            raise InputError(
-                f"must be one of {allowed}{did_you_mean(name, list(known))}", key="family", value=family
-            )
-        return from_values(known[name], {key: value for key, value in values.items() if key != "family"})
+        folded = " ".join(str(family).casefold().replace("-", " ").replace("_", " ").split())
+        kind = {name.casefold(): kind for name, kind in known.items()}.get(folded)
+        if kind is None:
+            guess = did_you_mean(folded, list(known))
+            raise InputError(f"must be one of {allowed}{guess}", key="family", value=family)
+    return kind, {key: value for key, value in values.items() if key != "family"}
 
 
 def _named_file(value: object, toml: Path, key: str, what: str) -> Path:
@@ -358,62 +360,3 @@ def _named_file(value: object, toml: Path, key: str, what: str) -> Path:
 
 def _a_file(kinds: tuple[str, ...]) -> str:
     return "a file " + ", ".join(f".{kind}" for kind in kinds)
-
-
-# ---- CSV -----------------------------------------------------------------------------------------------
-
-
-def _measured(
-    path: Path, *, name: str, material: str | float | None = None, toml: Path | None = None
-) -> Stone:
-    """Load the vertices that a TOML file names, or a bare CSV file."""
-    source = str(path)
-    missing = _no_such_file(path) if toml is None else f"no such file; named by vertices in {toml}"
-    with located_at(source):
-        vertices = _vertices(read_lines(path, kind="stone", missing=missing))
-        return stone_from_vertices(vertices, name=name, material=material, source=str(toml or path))
-
-
-def _vertices(lines: list[str]) -> np.ndarray:
-    """Read 57 rows label, x, y, z: commas between the columns, # before comments, at most one header."""
-    labels: list[str] = []
-    rows: list[list[float]] = []
-    keys: list[str] = []
-    for number, line in enumerate(lines, start=1):
-        if not line.strip(" \t,") or line.lstrip().startswith("#"):
-            continue
-        key = f"row {len(rows) + 1} (line {number})"
-        try:
-            cells = [cell.strip() for cell in next(csv.reader([line], skipinitialspace=True, strict=True))]
-        except csv.Error as error:
-            raise InputError(f"is not CSV: {error}", key=key) from error
-        if len(cells) != len(_COLUMNS):
-            raise InputError(
-                f"must have the {len(_COLUMNS)} columns {', '.join(_COLUMNS)}, with commas between them and "
-                f"points in decimals; has {len(cells)}",
-                key=key,
-            )
-        if not rows and [cell[:1].lower() for cell in cells[1:]] == ["x", "y", "z"]:
-            continue
-        rows.append(
-            [_coordinate(f"{key}, {column}", cell) for column, cell in zip("xyz", cells[1:], strict=True)]
-        )
-        labels.append(cells[0])
-        keys.append(key)
-    if len(rows) != N_VERTICES:
-        raise InputError(f"must be {N_VERTICES}: {_ROWS}", key=f"{len(rows)} rows")
-    if sorted(labels) == sorted(VERTEX_LABELS):
-        for key, label, expected in zip(keys, labels, VERTEX_LABELS, strict=True):
-            if label != expected:
-                raise InputError(f"expected {expected}, got {label}", key=key)
-    return np.array(rows)
-
-
-def _coordinate(key: str, cell: str) -> float:
-    try:
-        number = float(cell if "_" not in cell else "")
-    except ValueError as error:
-        raise InputError("must be a number, with a point in decimals", key=key, value=cell) from error
-    if not abs(number) <= sys.float_info.max:
-        raise InputError("must be a finite number", key=key, value=cell)
-    return number

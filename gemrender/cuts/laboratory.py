@@ -7,20 +7,22 @@ settled which of them count, that the others agree with them as far as rounding 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from gemrender.cuts.girdle_words import StatedGirdle, check_culet, read_girdle
+from gemrender.cuts.girdle_words import StatedGirdle, read_culet, read_girdle
 from gemrender.cuts.round_brilliant.proportions import (
     RoundBrilliant,
     crown_height_from_angle,
     number_within,
     pavilion_depth_from_angle,
 )
+from gemrender.cuts.shape_words import read_shape
 from gemrender.errors import InputError
 
-__all__ = ["DEFAULTS", "REPORT_KEYS", "Assumed", "Report", "missing_parts", "read_report"]
+__all__ = ["DEFAULTS", "OWN", "REPORT_KEYS", "Assumed", "Report", "missing_parts", "read_report"]
 
 #: What a report may state, in the order that it is told in.
 REPORT_KEYS = (
@@ -34,32 +36,34 @@ REPORT_KEYS = (
 DEFAULTS = {"star": 50.0, "lower_half": 80.0}
 
 #: Half of the steps that GIA rounds its reports to: 1 % of table, 0.5 deg of crown, 0.2 deg of pavilion,
-#: 0.5 % of girdle, 5 % of lower half (the increments of GIA Facetware); 0.5 % of heights and 0.1 % of depth.
+#: 0.5 % of girdle, 5 % of lower half (the increments of GIA Facetware); 0.5 % of heights, 0.1 % of depth
+#: and culet. A culet in words may be anything from a point to twice as wide.
 ROUNDING = {
     "table": 0.5, "crown_angle": 0.25, "pavilion_angle": 0.1, "crown_height": 0.25, "pavilion_depth": 0.25,
-    "girdle_thickness": 0.25, "depth": 0.05, "lower_half": 2.5,
+    "girdle_thickness": 0.25, "depth": 0.05, "lower_half": 2.5, "culet": 0.05,
 }  # fmt: skip
 #: What a thickness in words may be beside the middle or the ends of its words [%].
 WORDS_TOLERANCE = 1.5
+#: Why a parameter of a family is what it is that is not stated, unless reports always leave it open.
+OWN = "(the family's own)"
 #: A total depth that can be meant [%]; one in millimetres is below.
 DEPTH_RANGE = (20.0, 160.0)
-
-_ROUND = {
-    "round", "rounds", "rd", "rnd", "rb", "rbc", "br", "r", "round brilliant", "brilliant round",
-    "round brilliant cut", "round cut", "brilliant", "standard round brilliant", "round shape",
-    "round cut brilliant", "brilliant cut round",
-}  # fmt: skip
 
 
 class Assumed(NamedTuple):
     """Something that a report does not state: what was taken for it, and why."""
 
     what: str
-    value: float
+    value: float | str
     why: str
 
+    @property
+    def told(self) -> str:
+        """The value in words."""
+        return self.value if isinstance(self.value, str) else f"{self.value:.3g}"
+
     def __str__(self) -> str:
-        return f"{self.what} {self.value:.3g} {self.why}"
+        return f"{self.what} {self.told} {self.why}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,13 +73,31 @@ class Report:
     Parameters
     ----------
     proportions : RoundBrilliant
-        The stone.
+        The stone, but for its culet.
     assumed : tuple of Assumed
         What was assumed or inferred.
+    culet : float
+        Width of the culet [% of the girdle diameter]; the pavilion depth is down to it.
     """
 
     proportions: RoundBrilliant
     assumed: tuple[Assumed, ...]
+    culet: float = 0.0
+
+    @property
+    def cut(self) -> Any:
+        """The cut: the proportions, or with a culet the family's parameters."""
+        from gemrender.cuts.families.round_brilliant import with_culet
+
+        return with_culet(self.proportions, self.culet)
+
+
+class _Culet(NamedTuple):
+    """The width of a culet [%], how far it may be from the stone's, and the words where it has only these."""
+
+    width: float
+    rounding: float
+    words: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,8 +135,8 @@ def read_report(values: Mapping[str, object]) -> Report:
     Parameters
     ----------
     values : dict
-        By key of `REPORT_KEYS`: numbers [%, deg]; `girdle` a number or words; `culet` and `shape` words or,
-        for none, 0. `girdle_thickness` may be words too. Keys may be missing.
+        By key of `REPORT_KEYS`: numbers [%, deg]; `girdle` and `culet` a number or words; `shape` words.
+        `girdle_thickness` may be words too. Keys may be missing.
 
     Returns
     -------
@@ -129,13 +151,12 @@ def read_report(values: Mapping[str, object]) -> Report:
     """
     if "shape" in values:
         _check_shape(values["shape"])
-    if "culet" in values:
-        check_culet(values["culet"])
+    culet = _culet(values)
     if missing := missing_parts(values):
         raise InputError(f"needs {missing}")
     table = number_within("table", values["table"])
     assumed: list[Assumed] = []
-    crown, pavilion = _crown(values, table), _pavilion(values)
+    crown, pavilion = _crown(values, table), _pavilion(values, culet)
     girdle = _girdle(values)
     if "depth" in values:
         depth = number_within("depth", values["depth"], DEPTH_RANGE)
@@ -159,7 +180,11 @@ def read_report(values: Mapping[str, object]) -> Report:
         pavilion_depth=pavilion.value,
         girdle_thickness=girdle.thickness,
     )
-    return Report(proportions, tuple(assumed))
+    if culet.words:
+        assumed.append(Assumed("culet", culet.width, f"of '{culet.words}'"))
+    report = Report(proportions, tuple(assumed), culet.width)
+    assert report.cut is not None  # refuses a culet that is too large for the lower halves
+    return report
 
 
 # ---- Parts of the stone --------------------------------------------------------------------------------
@@ -179,14 +204,30 @@ def _crown(values: Mapping[str, object], table: float) -> _Height | None:
     return height
 
 
-def _pavilion(values: Mapping[str, object]) -> _Height | None:
+def _culet(values: Mapping[str, object]) -> _Culet:
+    value = values.get("culet", 0.0)
+    try:
+        width = read_culet(value)
+    except InputError as error:
+        raise InputError(error.allowed, key="culet", value=value) from error
+    if isinstance(value, str) and width and not re.search(r"\d", value):
+        return _Culet(width, width, " ".join(value.casefold().split()))
+    return _Culet(width, ROUNDING["culet"], "")
+
+
+def _pavilion(values: Mapping[str, object], culet: _Culet) -> _Height | None:
     stated = number_within("pavilion_depth", values["pavilion_depth"]) if "pavilion_depth" in values else None
     if "pavilion_angle" not in values:
         return None if stated is None else _Height(stated, ROUNDING["pavilion_depth"])
     angle = number_within("pavilion_angle", values["pavilion_angle"])
-    slope = 50 * (1 + math.tan(math.radians(angle)) ** 2)
-    height = _Height(pavilion_depth_from_angle(angle), slope * math.radians(ROUNDING["pavilion_angle"]))
-    _check_height("pavilion_depth", stated, height, f"pavilion_angle = {angle:g} makes it")
+    share = 1 - culet.width / 100
+    tangent = math.tan(math.radians(angle))
+    rounding = share * 50 * (1 + tangent**2) * math.radians(ROUNDING["pavilion_angle"])
+    if culet.width:
+        rounding += culet.rounding / 2 * tangent
+    height = _Height(share * pavilion_depth_from_angle(angle), rounding)
+    beside = f" with a culet of {culet.width:g}" if culet.width else ""
+    _check_height("pavilion_depth", stated, height, f"pavilion_angle = {angle:g}{beside} makes it")
     return height
 
 
@@ -305,6 +346,5 @@ def _contact(values: Mapping[str, object], assumed: list[Assumed]) -> float:
 
 
 def _check_shape(shape: object) -> None:
-    words = " ".join(str(shape).casefold().replace("-", " ").replace("_", " ").split())
-    if words not in _ROUND:
-        raise InputError("must be round: other shapes cannot be made yet", key="shape", value=shape)
+    if not read_shape(str(shape)).is_round_brilliant:
+        raise InputError("must be round: this is for round brilliants", key="shape", value=shape)

@@ -1,4 +1,4 @@
-"""The size of a stone, from the millimetres and the weight that a file or a report states.
+"""The size of a stone, by the millimetres and the weight that are stated of it.
 
 Millimetres also give proportions: length over width, and the depth in per cent of the width. What is given
 twice must agree as far as a report's rounding allows.
@@ -6,10 +6,10 @@ twice must agree as far as a report's rounding allows.
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -17,17 +17,17 @@ import numpy as np
 from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.stated import stated_keys
 from gemrender.cuts.laboratory import ROUNDING as PERCENT_ROUNDING
-from gemrender.cuts.round_brilliant.proportions import number_within
 from gemrender.errors import InputError
-from gemrender.mistakes import Mistakes, MistakesError
+from gemrender.mistakes import MistakesError
 from gemrender.optics import carat_to_girdle_diameter_mm, load_material
-from gemrender.optics.material import CARAT_RANGE, DIAMETER_RANGE_MM
+from gemrender.optics.material import DIAMETER_RANGE_MM
 from gemrender.stone import Stone
 
-__all__ = ["SIZE_KEYS", "SQUARE", "WEIGHT_TOLERANCE", "StatedSize", "read_measurements", "read_size"]
+__all__ = ["LENGTHS", "ROUNDING_MM", "SQUARE", "WEIGHT_TOLERANCE", "StatedSize"]
 
-#: What may be stated of a stone's size.
-SIZE_KEYS = ("measurements", "length_mm", "width_mm", "depth_mm", "diameter_mm", "carat")
+#: The three lengths of a stone's box.
+LENGTHS = ("length_mm", "width_mm", "depth_mm")
+
 #: Half of the step that reports round millimetres to [mm]; those with fewer decimals are rounded more.
 ROUNDING_MM = 0.005
 #: Half of the step that length over width is rounded to.
@@ -43,12 +43,10 @@ CARAT_ROUNDING = 0.005
 #: What the heights of a round brilliant in per cent, rounded as reports do, leave of its depth [%].
 _HEIGHTS = PERCENT_ROUNDING["depth"] + 3 * PERCENT_ROUNDING["crown_height"]
 _CARAT_MG = 200.0
-
-_NUMBER = r"(\d+(?:[.,]\d+)?)\s*(?:mm\.?)?"
-_BY = r"\s*(?:[x\u00d7\u2715*/\u2013\u2014-]|by)\s*"
-_MEASUREMENTS = re.compile(rf"{_NUMBER}{_BY}{_NUMBER}(?:{_BY}{_NUMBER})?")
-_AS_PRINTED = 'must be as reports print it: "8.10 x 5.95 x 3.70", of rounds "6.52 - 6.55 x 4.01" [mm]'
-_LENGTHS = ("length_mm", "width_mm", "depth_mm")
+#: What the depth of a cut of a family is the sum of [% of the width].
+_PARTS = ("crown_height", "girdle_thickness", "pavilion_depth")
+#: Rounding of a stone's corners [stone's unit].
+_SAME = 1e-9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -110,13 +108,19 @@ class StatedSize:
                 ratio = made.get("length_to_width", kind.__dataclass_fields__["length_to_width"].default)
         if width is None and length and ratio:
             width = length / ratio
-        if self.is_even(kind) and length and width:
-            width = 0.5 * (length + width)
+        if self.is_even(kind):
+            length = width = self._evened(length, width)
         if "depth" in known and self.depth_mm and width:
-            made |= self.depth_of(width, values)
+            shorter = min(width, length or width)  # what per cent are of
+            made |= self._depth_of(shorter, values)
         return made
 
-    def depth_of(self, width: float, values: Mapping[str, Any]) -> dict[str, float]:
+    def depth_of_round(self, values: Mapping[str, Any]) -> dict[str, float]:
+        """Return the depth [% of the mean diameter] that the millimetres of a round stone make."""
+        diameter = self._evened(*self.sides())
+        return self._depth_of(diameter, values) if diameter and self.depth_mm else {}
+
+    def _depth_of(self, width: float, values: Mapping[str, Any]) -> dict[str, float]:
         """Return the depth [% of the width] that the millimetres make where it is not stated."""
         assert self.depth_mm is not None
         by_mm = 100.0 * self.depth_mm / width
@@ -125,12 +129,19 @@ class StatedSize:
         return {} if "depth" in values else {"depth": by_mm}
 
     def sides(self, kind: Any = None) -> tuple[float | None, float | None]:
-        """Return length and width [mm]; the longer one first, unless the family knows wider ones."""
+        """Return length and width [mm], in whichever order they are stated: the longer one first.
+
+        Of a family that may be wider than long, as triangles are, the order is that which is more like the
+        family's own example: reports do not say which side they measure.
+        """
         length, width = self.length_mm, self.width_mm
+        if not length or not width:
+            return length, width
+        longer, shorter = max(length, width), min(length, width)
         part = getattr(kind, "__dataclass_fields__", {}).get("length_to_width")
-        if length and width and not (part is not None and part.metadata["range"][0] < 1.0):
-            return max(length, width), min(length, width)
-        return length, width
+        if part is not None and part.metadata["range"][0] < 1.0 and _own_ratio(kind) < 1.0:
+            return shorter, longer
+        return longer, shorter
 
     @staticmethod
     def is_even(kind: Any) -> bool:
@@ -179,34 +190,35 @@ class StatedSize:
             return error
         key, value = self.told["depth_mm" if error.key == "depth" else "length_mm"]
         unit = " %" if error.key == "depth" else ""
-        words = f"makes the {_label(error.key)} {made[error.key]:.4g}{unit}; it {error.allowed}"
+        words = f"makes the {_label(error.key)} {made[error.key]:.4g}{unit}: {error.allowed}"
         told = InputError(words, key=key, value=value)
         return told if source is None else told.at(source, "size")
 
     # ---- From millimetres to the stone's size ----
 
-    def sized(self, stone: Stone, agreed: Mapping[str, Any] | None = None) -> Stone:
+    def sized(self, stone: Stone, agreed: Collection[str] = (), *, needs_density: bool = True) -> Stone:
         """Return the stone with its size, and a note where its weight is another than the stated one.
 
         Parameters
         ----------
         stone : Stone
             The stone.
-        agreed : mapping or None
+        agreed : collection of str
             Keys of proportions that are known to agree with the millimetres.
+        needs_density : bool
+            Whether a weight alone must give the size; without, it may stay unknown with the density.
 
         Raises
         ------
         InputError
             The stone's shape does not agree with the millimetres, or its weight cannot be known.
         """
-        agreed = agreed or {}
         own = _box(stone)
         kind = type(stone.cut) if isinstance(stone.cut, Family) else None
-        stated = dict(zip(_LENGTHS, (*self.sides(kind), self.depth_mm), strict=True))
+        stated = dict(zip(LENGTHS, (*self.sides(kind), self.depth_mm), strict=True))
         even = own["length_mm"] / own["width_mm"] <= SQUARE
         if even and (kind is None or self.is_even(kind)):
-            stated |= self._evened(stated)
+            stated |= {"length_mm": self._evened(*self.sides()), "width_mm": None}
         scales = {key: value / own[key] for key, value in stated.items() if value}
         size: float | None = None
         if scales:
@@ -214,12 +226,11 @@ class StatedSize:
             size = 2.0 * scale
             self._check_box(stone, own, stated, key, agreed)
         if self.carat is not None:
-            density = self._density(stone, size)
-            if size is None:
-                assert density is not None
-                size = carat_to_girdle_diameter_mm(self.carat, stone.solid.volume, density)
-            elif density is not None:
+            density = self._density(stone, needs_density and size is None)
+            if size is not None and density is not None:
                 stone = self._weighed(stone, size, density)
+            elif density is not None:
+                size = carat_to_girdle_diameter_mm(self.carat, stone.solid.volume, density)
         if size is None:
             return stone
         low, high = DIAMETER_RANGE_MM
@@ -229,19 +240,18 @@ class StatedSize:
             raise InputError(words, key=told, value=value)
         return replace(stone, size_mm=size)
 
-    def _evened(self, stated: Mapping[str, float | None]) -> dict[str, float | None]:
-        """Return the mean diameter of a round or square stone in place of length and width."""
-        length, width = stated["length_mm"], stated["width_mm"]
+    def _evened(self, length: float | None, width: float | None) -> float | None:
+        """Return the mean diameter of a round or square stone."""
         if not length or not width:
-            return {"length_mm": length or width, "width_mm": None}
-        if max(length, width) / min(length, width) > SQUARE:
+            return length or width
+        if max(length, width) > SQUARE * min(length, width):
             key, value = self.told["length_mm"]
             raise InputError(
                 f"must be at most {SQUARE:g} times the width: the cut is as wide as long",
                 key=key,
                 value=value,
             )
-        return {"length_mm": 0.5 * (length + width), "width_mm": None}
+        return 0.5 * (length + width)
 
     def _check_box(
         self,
@@ -249,7 +259,7 @@ class StatedSize:
         own: Mapping[str, float],
         stated: Mapping[str, float | None],
         first: str,
-        agreed: Mapping[str, Any],
+        agreed: Collection[str],
     ) -> None:
         """Refuse millimetres that are not those of the stone's own shape."""
         scale = (stated[first] or 0.0) / own[first]
@@ -271,19 +281,19 @@ class StatedSize:
                     value=written,
                 )
 
-    def _density(self, stone: Stone, size: float | None) -> float | None:
+    def _density(self, stone: Stone, needed: bool) -> float | None:
         """Return the density of the stone's material [g/cm^3]; None where it is not known and not needed."""
         try:
-            material = load_material("diamond" if stone.material is None else stone.material)
+            density = load_material("diamond" if stone.material is None else stone.material).density
         except InputError:
-            if size is not None:  # what is wrong with the material is told by who needs it
-                return None
-            raise
-        if material.density is None and size is None:
+            if needed:
+                raise
+            return None  # what is wrong with the material is told by who needs it
+        if density is None and needed:
             key, value = self.told["carat"]
             words = "needs the material's density, which is not known; state millimetres instead"
             raise InputError(words, key=key, value=value)
-        return material.density
+        return density
 
     def _weighed(self, stone: Stone, size: float, density: float) -> Stone:
         assert self.carat is not None
@@ -291,102 +301,38 @@ class StatedSize:
         if abs(made - self.carat) <= WEIGHT_TOLERANCE * self.carat + CARAT_ROUNDING:
             return stone
         note = (
-            f"the millimetres make {made:.3g} ct, {self.carat:g} ct are stated: {made / self.carat - 1:+.1%}, "
-            f"beyond {WEIGHT_TOLERANCE:.0%}: the shape is not quite that of the stone"
+            f"its millimetres make {made:.3g} ct, and {self.carat:g} ct are stated: "
+            f"{made / self.carat - 1:+.1%}, beyond {WEIGHT_TOLERANCE:.0%}"
         )
         return replace(stone, notes=(*stone.notes, note.replace("%", " %")))
 
 
-def read_size(values: Mapping[str, object]) -> StatedSize:
-    """Read what is stated of a size.
-
-    Parameters
-    ----------
-    values : mapping
-        By key of `SIZE_KEYS`: numbers [mm, carat], and the measurements as one text.
-
-    Raises
-    ------
-    InputError
-        Nothing is stated, a value that no stone has, or two for one thing that differ.
-    """
-    found: dict[str, float] = {}
-    told: dict[str, tuple[str, object]] = {}
-    rounding = ROUNDING_MM
-    with Mistakes() as mistakes:
-
-        def add(part: str, number: float, key: str) -> None:
-            if part in found and abs(found[part] - number) > rounding + ROUNDING_MM:
-                other, value = told[part]
-                raise InputError(
-                    f"{other} = {value!r} makes it {found[part]:g}; state only one", key=key, value=number
-                )
-            if part not in found:
-                found[part], told[part] = number, (key, values[key])
-
-        if "measurements" in values:
-            read = mistakes.of(read_measurements, values["measurements"])
-            if read is not None:
-                numbers, rounding = read
-                for part, number in zip(_LENGTHS, numbers, strict=False):
-                    add(part, number, "measurements")
-        for key in ("length_mm", "width_mm", "depth_mm", "diameter_mm"):
-            if key not in values:
-                continue
-            value = mistakes.of(number_within, key, values[key], DIAMETER_RANGE_MM, "mm")
-            for part in _LENGTHS[:2] if key == "diameter_mm" else (key,):
-                if value is not None:
-                    mistakes.of(add, part, value, key)
-        if "carat" in values:
-            weight = mistakes.of(number_within, "carat", values["carat"], CARAT_RANGE, "carat")
-            if weight is not None:
-                add("carat", weight, "carat")
-        if not values:
-            raise InputError(f"needs one or more of {', '.join(SIZE_KEYS)}")
-    return StatedSize(**found, rounding_mm=rounding, told=told)
-
-
-def read_measurements(text: object) -> tuple[tuple[float, ...], float]:
-    """Read measurements as reports print them.
-
-    Parameters
-    ----------
-    text : str
-        "8.10 x 5.95 x 3.70 mm": length, width and depth, or the first two alone; of rounds the smallest and
-        the largest diameter and the depth, "6.52 - 6.55 x 4.01".
-
-    Returns
-    -------
-    (tuple of float, float)
-        Length, width and depth, the longer side first [mm], and half of the step that they are rounded to.
-
-    Raises
-    ------
-    InputError
-        It is no such text.
-    """
-    found = _MEASUREMENTS.fullmatch(" ".join(text.casefold().split())) if isinstance(text, str) else None
-    if found is None:
-        raise InputError(_AS_PRINTED, key="measurements", value=text)
-    parts = [part.replace(",", ".") for part in found.groups() if part is not None]
-    numbers = [number_within("measurements", float(part), DIAMETER_RANGE_MM, "mm") for part in parts]
-    decimals = max(len(part.partition(".")[2]) for part in parts)
-    return tuple(numbers), 0.5 * 10.0 ** -min(decimals, 2)
+@cache
+def _own_ratio(kind: Any) -> float:
+    """Return the length over the width of a family's own example."""
+    width, length = np.ptp(kind().construction().points[:, :2], axis=0).tolist()
+    return float(length / width)
 
 
 def _box(stone: Stone) -> dict[str, float]:
     """Return length, width and depth of a stone in its own unit."""
+    cut = stone.cut
+    ratio = getattr(cut, "length_to_width", 0.0)
+    if isinstance(cut, Family) and ratio and all(hasattr(cut, part) for part in _PARTS):
+        # Without the stone's corners, which take longer: the longer side is two units.
+        length, width = (2.0, 2.0 / ratio) if ratio >= 1.0 else (2.0 * ratio, 2.0)
+        depth = sum(getattr(cut, part) for part in _PARTS) / 100.0 * min(length, width)
+        return dict(zip(LENGTHS, (length, width, depth), strict=True))
     if stone.is_round:
         width = length = 2.0
     else:
         width, length = np.ptp(stone.solid.vertices[:, :2], axis=0).tolist()
-        if not isinstance(stone.cut, Family):
+        if not isinstance(cut, Family):
             width, length = min(width, length), max(width, length)
-    return {
-        "length_mm": length,
-        "width_mm": width,
-        "depth_mm": float(np.ptp(stone.solid.vertices[:, 2])),
-    }
+        # The longer side is two units by definition, but for rounding, and for stones that are turned.
+        width, length = (2.0 if abs(side - 2.0) <= _SAME else side for side in (width, length))
+    depth = float(np.ptp(stone.solid.vertices[:, 2]))
+    return dict(zip(LENGTHS, (length, width, depth), strict=True))
 
 
 def _number(value: object) -> float | None:

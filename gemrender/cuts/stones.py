@@ -7,9 +7,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Generic, TypeVar, overload
 
+from gemrender.cuts.laboratory import OWN
 from gemrender.stone import Stone
 
-__all__ = ["LONGEST_NAME", "NO_MATERIAL", "Lazy", "OfMaterial", "OneStone", "Stones"]
+__all__ = ["LONGEST_NAME", "NO_MATERIAL", "Lazy", "OfMaterial", "OneStone", "Stones", "taken_lines"]
 
 #: What ends the words for a material that was taken since a file has none.
 NO_MATERIAL = "(no material in the file)"
@@ -17,6 +18,20 @@ NO_MATERIAL = "(no material in the file)"
 LONGEST_NAME = 100
 
 _T = TypeVar("_T")
+
+
+def taken_lines(assumed: Sequence[str]) -> list[str]:
+    """Return what was assumed of a stone in lines: one each, of a member of a family one in all.
+
+    Parameters
+    ----------
+    assumed : sequence of str
+        As of the stone.
+    """
+    own = [words.removesuffix(OWN).strip() for words in assumed if words.endswith(OWN)]
+    if not own:
+        return list(assumed)
+    return ["; ".join([*(words for words in assumed if not words.endswith(OWN)), f"{', '.join(own)} {OWN}"])]
 
 
 class Lazy(Sequence[_T], Generic[_T]):

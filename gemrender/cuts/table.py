@@ -1,17 +1,13 @@
 """Tables of stones: a CSV file with a row a stone, checked whole and kept small.
 
 Columns are called as in stone files, or as laboratories and shops call them (`columns.ALIASES`). A row is
-read as a laboratory report (`laboratory`): what it leaves out is assumed and told, what it has too much of
-must agree.
+read as a laboratory report (`laboratory`, of other shapes than round `fancy_reports`): what it leaves out is
+assumed and told, what it has too much of must agree.
 """
 
 from __future__ import annotations
 
-import re
-import sys
 from array import array
-from collections import Counter
-from collections.abc import Iterator
 from dataclasses import fields
 from operator import attrgetter
 from pathlib import Path
@@ -19,9 +15,13 @@ from typing import Any
 
 from gemrender.cuts.columns import Columns, match_columns
 from gemrender.cuts.delimited import Dialect, open_rows, sniff
-from gemrender.cuts.laboratory import Assumed, Report, missing_parts, read_report
+from gemrender.cuts.families.round_brilliant import with_culet
+from gemrender.cuts.fancy_rows import FancyRows
+from gemrender.cuts.laboratory import Report, missing_parts
 from gemrender.cuts.round_brilliant.proportions import RoundBrilliant
 from gemrender.cuts.stones import LONGEST_NAME, Stones
+from gemrender.cuts.table_notes import TableNotes
+from gemrender.cuts.table_rows import NUMBER, TableRow
 from gemrender.errors import InputError
 from gemrender.reading import located_at, stem
 from gemrender.stone import Stone
@@ -32,15 +32,6 @@ __all__ = ["MOST_ROWS", "StoneTable", "is_table", "open_table"]
 MOST_ROWS = 1_000_000
 #: Bad rows that are named in the refusal, besides the first.
 _BAD_ROWS_LISTED = 5
-#: Different girdles and the like that a note tells apart.
-_KINDS_LISTED = 3
-
-_WORDS = ("girdle", "girdle_thickness")
-#: Read as they are; all other columns hold numbers.
-_TEXT = {"name", "material", "shape", "culet", "girdle_thin", "girdle_thick", *_WORDS}
-_EMPTY = {"", "-", "--", "\u2013", "\u2014", ".", "n/a", "na", "#n/a", "nan", "null", "unknown", "?"}
-_NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(%|pct|percent|[°º˚]|deg|degrees)?")
-_PER_CENT, _DEGREES = {"%", "pct", "percent"}, {"°", "º", "˚", "deg", "degrees"}
 _FIELDS = tuple(field.name for field in fields(RoundBrilliant))
 _numbers_of = attrgetter(*_FIELDS)
 
@@ -63,13 +54,18 @@ class StoneTable(Stones):
     def __init__(self, path: Path, dialect: Dialect, columns: Columns) -> None:
         self.path, self.columns = path, columns
         self._numbers = array("d")
+        self._fancy = FancyRows()
+        # Of each row its place among the round ones, or that among the others, counted from -1 down.
+        self._place = array("q")
+        self._sizes = array("d")
+        self._culets = array("d")
         self._lines = array("q")
         self._names: list[str] = []
         self._materials: list[str | float | None] = []
         self._assumed: list[tuple[str, ...]] = []
-        counts: Counter[tuple[str, str, str]] = Counter()
-        self._read(dialect, counts)
-        self.notes = (*_unused(columns), *_assumed(counts, len(self)))
+        told = TableNotes()
+        self._read(dialect, told)
+        self.notes = tuple(told.notes(columns, len(self)))
 
     def __len__(self) -> int:
         return len(self._names)
@@ -82,20 +78,30 @@ class StoneTable(Stones):
             found.setdefault(material, i)
         return {material: self._source(i) for material, i in found.items()}
 
-    def proportions(self, i: int) -> RoundBrilliant:
-        """Return the proportions of row i, from 0."""
+    def proportions(self, i: int) -> Any:
+        """Return the proportions of row i, from 0, but for a culet; of a stone that is not round its cut."""
+        place = self._place[i]
+        if place < 0:
+            return self._stone(i).cut
         size = len(_FIELDS)
-        values = self._numbers[size * i : size * (i + 1)]
+        values = self._numbers[size * place : size * (place + 1)]
         return RoundBrilliant(**dict(zip(_FIELDS, values, strict=True)))
 
     def _stone(self, i: int) -> Stone:
+        facts: dict[str, Any] = {
+            "name": self._names[i],
+            "material": self._materials[i],
+            "source": self._source(i),
+        }
+        place = self._place[i]
+        if place < 0:
+            return self._fancy[-1 - place].stone(description="report", **facts)[0]
         return Stone.from_proportions(
-            self.proportions(i),
-            name=self._names[i],
-            material=self._materials[i],
-            source=self._source(i),
+            with_culet(self.proportions(i), self._culets[place]),
             description="report" if "crown_angle" in self.columns.place else "proportions",
             assumed=self._assumed[i],
+            size_mm=self._sizes[i] or None,
+            **facts,
         )
 
     def _source(self, i: int) -> str:
@@ -103,17 +109,20 @@ class StoneTable(Stones):
 
     # ---- Reading ---------------------------------------------------------------------------------------
 
-    def _read(self, dialect: Dialect, counts: Counter[tuple[str, str, str]]) -> None:
+    def _read(self, dialect: Dialect, told: TableNotes) -> None:
         """Read and check all rows; refuse them by the first bad one, naming some of the others."""
         first: InputError | None = None
         bad: list[int] = []
         same: dict[object, Any] = {}  # one object for equal names of materials and assumptions
+        lacks = missing_parts(_known(self.columns))
         with open_rows(self.path, dialect) as rows:
             for number, (line, cells) in enumerate(rows, start=1):
                 if number > MOST_ROWS:
                     raise InputError(f"has more than {MOST_ROWS} rows")
                 try:
-                    name, material, report = self._row(number, cells, dialect)
+                    row = TableRow(self.columns, cells, dialect)
+                    name = self._name(row.values.pop("name", ""), number)
+                    made = row.read(lacks, suggests=first is None)
                 except InputError as error:
                     bad.append(number)
                     if first is None:
@@ -122,41 +131,28 @@ class StoneTable(Stones):
                     continue
                 if first is not None:
                     continue
-                self._numbers.extend(_numbers_of(report.proportions))
                 self._lines.append(line)
                 self._names.append(name)
-                self._materials.append(same.setdefault(material, material))
-                assumed = tuple(map(str, report.assumed))
+                self._materials.append(same.setdefault(row.material, row.material))
+                assumed: tuple[str, ...] = ()
+                if isinstance(made, Report):
+                    self._place.append(len(self._numbers) // len(_FIELDS))
+                    self._numbers.extend(_numbers_of(made.proportions))
+                    self._culets.append(made.culet)
+                    assumed = tuple(map(str, made.assumed))
+                    told.count(made.assumed)
+                else:
+                    self._fancy.append(made)
+                    self._place.append(-len(self._fancy))
+                    told.of_fancy(number, made.shape.family, row)
+                self._sizes.append(row.size_mm)
                 self._assumed.append(same.setdefault(assumed, assumed))
-                counts.update(map(_kind, report.assumed))
+                told.used |= row.used
         if first is not None:
             first.allowed += _others(bad[1:])
             raise first
         if not self._names:
             raise InputError("has a header, and no rows")
-
-    def _row(self, number: int, cells: list[str], dialect: Dialect) -> tuple[str, str | float | None, Report]:
-        if len(cells) != len(dialect.header):
-            columns = f"{len(cells)} columns, the header {len(dialect.header)}"
-            raise InputError(f"has {columns}, with {dialect.separated_by} between them")
-        raw = {key: cells[i] for key, i in self.columns.place.items()}
-        values: dict[str, Any] = {}
-        try:
-            for key, cell in raw.items():
-                value = _value(key, cell, dialect)
-                if value is not None:
-                    values[key] = value
-            name = self._name(values.pop("name", ""), number)
-            material = _material(values)
-            _join_girdle(values)
-            return name, material, read_report(values)
-        except InputError as error:
-            told = InputError(error.allowed, key=error.key, value=error.value)
-            if error.key in raw:
-                told.key, told.value = self.columns.title[error.key], raw[error.key]
-                if raw[error.key] in ("0", "0.0", "0.00"):
-                    told.allowed += "; leave it empty where it is not known"
-            raise told from error
 
     def _name(self, name: str, number: int) -> str:
         if not name:
@@ -196,7 +192,8 @@ def open_table(path: Path, missing: str = "no such file") -> StoneTable:
                 "has no column of a stone; must have some named as in stone files: table, depth, "
                 "crown_angle, crown_height, pavilion_angle, pavilion_depth, girdle, star, lower_half"
             )
-        if missing_columns := missing_parts(_known(columns)):
+        missing_columns = missing_parts(_known(columns))
+        if missing_columns and "shape" not in columns.place:  # rows of other shapes need fewer
             raise InputError(f"needs columns for {missing_columns}")
         return StoneTable(path, dialect, columns)
 
@@ -207,7 +204,7 @@ def is_table(path: Path) -> bool:
         header = sniff(path).header
     except InputError:
         return False
-    if any(_NUMBER.fullmatch(cell) for cell in header):
+    if any(NUMBER.fullmatch(cell) for cell in header):
         return False
     try:
         if match_columns(header) is not None:
@@ -223,56 +220,6 @@ def is_table(path: Path) -> bool:
     )
 
 
-# ---- Cells ---------------------------------------------------------------------------------------------
-
-
-def _value(key: str, cell: str, dialect: Dialect) -> str | float | None:
-    """Return what a cell holds; None for nothing."""
-    if cell.casefold() in _EMPTY:
-        return None
-    if key in _TEXT and key not in _WORDS:
-        return cell
-    text = cell.replace("\u00a0", " ").replace("\u202f", " ")
-    if dialect.decimal_comma and "." not in text:
-        text = text.replace(",", ".")
-    number = _NUMBER.fullmatch(text)
-    if number is None:
-        if key in _WORDS:
-            return text
-        raise InputError("must be a number, with a point in decimals", key=key, value=cell)
-    unit = (number[2] or "").lower()
-    wrong = _PER_CENT if key.endswith("angle") else _DEGREES
-    if unit in wrong or (unit and key == "index"):
-        must = (
-            "in degrees" if key.endswith("angle") else "without a unit" if key == "index" else "in per cent"
-        )
-        raise InputError(f"must be {must}", key=key, value=cell)
-    return float(number[1])
-
-
-def _material(values: dict[str, Any]) -> str | float | None:
-    """Take the material's name or index from a row; whether there is such a one is for the optics to say."""
-    material: str | None
-    material, index = values.pop("material", None), values.pop("index", None)
-    if index is None:
-        return material
-    if material is not None:
-        raise InputError("must be empty where the material is named", key="index", value=index)
-    if not 1 < index <= sys.float_info.max:
-        raise InputError("must be a refractive index, above 1", key="index", value=index)
-    return float(index)
-
-
-def _join_girdle(values: dict[str, Any]) -> None:
-    """Make one girdle of its thinnest and thickest, where it is in two columns."""
-    ends = [values.pop(key, None) for key in ("girdle_thin", "girdle_thick")]
-    if any(ends) and "girdle" not in values:
-        values["girdle"] = " to ".join(end for end in ends if end)
-
-
-# ---- Notes ---------------------------------------------------------------------------------------------
-
-
 def _known(columns: Columns) -> dict[str, int]:
     known = dict(columns.place)
     if "girdle_thin" in known or "girdle_thick" in known:
@@ -286,29 +233,3 @@ def _others(rows: list[int]) -> str:
     listed = ", ".join(map(str, rows[:_BAD_ROWS_LISTED]))
     more = f" and {len(rows) - _BAD_ROWS_LISTED} more" if len(rows) > _BAD_ROWS_LISTED else ""
     return f"; bad, too: row{'s' if len(rows) > 1 else ''} {listed}{more}"
-
-
-def _unused(columns: Columns) -> Iterator[str]:
-    if columns.unused:
-        yield f"columns not used: {', '.join(columns.unused)}"
-
-
-def _kind(assumed: Assumed) -> tuple[str, str, str]:
-    """Return an assumption's name, its value where that is the same in every row, and the reason."""
-    derived = assumed.why.startswith("(depth")
-    return assumed.what, "" if derived else f"{assumed.value:.3g}", assumed.why
-
-
-def _assumed(counts: Counter[tuple[str, str, str]], rows: int) -> Iterator[str]:
-    """Say what was assumed in how many rows: a note a kind, unless there are many."""
-    by_name: dict[str, list[tuple[str, int]]] = {}
-    for (what, value, why), number in counts.most_common():
-        words = " ".join(part for part in (what, value, why) if part)
-        by_name.setdefault(f"{what} {'of words' if why.startswith('of') else why}", []).append(
-            (words, number)
-        )
-    for together, kinds in by_name.items():
-        if len(kinds) <= _KINDS_LISTED:
-            yield from (f"assumed in {number} of {rows} rows: {words}" for words, number in kinds)
-        else:
-            yield f"assumed in {sum(number for _, number in kinds)} of {rows} rows: {together}"

@@ -23,7 +23,7 @@ from gemrender.cuts.round_brilliant.proportions import (
     number_within,
     pavilion_depth_from_angle,
 )
-from gemrender.cuts.stones import Lazy, Stones
+from gemrender.cuts.stones import Lazy, Stones, taken_lines
 from gemrender.errors import InputError
 from gemrender.reading import did_you_mean
 from gemrender.stone import Stone
@@ -80,7 +80,7 @@ Value = float | str
 
 
 def settings_of(stone: Stone) -> tuple[str, ...]:
-    """Return the keys that can be set of a stone: proportions or its family's parameters; its material."""
+    """Return the keys that can be set of a stone: proportions or parameters, and its material."""
     return _settings_of(type(stone.cut)) if isinstance(stone.cut, Family) else SETTINGS
 
 
@@ -193,7 +193,8 @@ class Variations(Stones):
         self._base, self._axes = stone, dict(axes)
         self.keys = tuple(axes)
         self._length = math.prod(len(values) for values in axes.values())
-        self.notes = tuple(f"{stone.name}: {words}" for words in stone.assumed if not _is_set(words, axes))
+        left = [words for words in stone.assumed if not _is_set(words, axes)]
+        self.notes = tuple(f"{stone.name}: {words}" for words in taken_lines(left))
 
     def __len__(self) -> int:
         return self._length
@@ -361,7 +362,9 @@ def varied(base: Stone, setting: Mapping[str, Value]) -> Stone:
     if not own:
         return replace(base, **made)
     if isinstance(base.cut, Family):
-        stone: Stone = base.cut.changed(**own).stone(source=base.source, description=base.description, **made)
+        stone: Stone = base.cut.changed(**own).stone(
+            source=base.source, description=base.description, size_mm=base.size_mm, **made
+        )
         return stone
     return Stone.from_proportions(
         _proportions(base, base.proportions, setting),

@@ -8,6 +8,8 @@ from dataclasses import asdict
 from typing import Any
 
 from gemrender.cuts import bundled_stones, load_stone
+from gemrender.cuts.families.family import Family
+from gemrender.cuts.shape_words import ROUND, read_shape
 from gemrender.measures import measures
 from gemrender.optics import material_names
 from gemrender.optics.material_sheet import material_sheet
@@ -29,53 +31,79 @@ __all__ = [
     "stone_table",
 ]
 
-#: Columns of the bundled stones: heading, key of their record, and when a narrow terminal does without.
+#: Proportions of a bundled stone's record, in their order; of round brilliants the first six are the paper's.
 _PROPORTIONS = (
+    "table", "star", "lower_girdle_contact", "crown_height", "pavilion_depth", "girdle_thickness",
+    "lower_half", "crown_angle", "pavilion_angle",
+)  # fmt: skip
+#: Columns of the bundled stones: heading, key of their record, and when a narrow terminal does without.
+_COLUMNS = (
+    ("L/W", "length_to_width", 1),
     ("Table", "table", 0),
     ("Crown", "crown_angle", 0),
     ("Pavilion", "pavilion_angle", 0),
-    ("Star", "star", 1),
-    ("Lower half", "lower_half", 2),
-    ("Girdle", "girdle_thickness", 3),
-    ("Crown height", "crown_height", 4),
-    ("Pavilion depth", "pavilion_depth", 5),
+    ("Star", "star", 2),
+    ("Lower half", "lower_half", 3),
+    ("Girdle", "girdle_thickness", 4),
+    ("Crown height", "crown_height", 5),
+    ("Pavilion depth", "pavilion_depth", 6),
 )
 
 
-def stone_records() -> list[dict[str, Any]]:
-    """Return the bundled stones, a record each: names, then proportions [%] and angles [deg]."""
+def stone_records(shape: str | None = None) -> list[dict[str, Any]]:
+    """Return the bundled stones, a record each: names, then proportions [%] and angles [deg].
+
+    Parameters
+    ----------
+    shape : str, optional
+        Only those of a family, in its own or in a laboratory's words.
+
+    Raises
+    ------
+    InputError
+        No such shape.
+    """
+    family = None if shape is None else read_shape(shape).family
     records = []
     for name in bundled_stones():
         stone = load_stone(name)
+        cut, proportions = stone.cut, stone.proportions
+        own: dict[str, Any] = {}
+        if proportions is not None:
+            own = asdict(proportions)
+            own["lower_half"] = 100.0 - proportions.lower_girdle_contact
+            own["crown_angle"] = proportions.crown_angle_deg
+            own["pavilion_angle"] = proportions.pavilion_angle_deg
+        elif isinstance(cut, Family):
+            own = cut.values() | cut.alternatives()
+        of = cut.family() if isinstance(cut, Family) else ROUND
+        if family is not None and of != family:
+            continue
         record: dict[str, Any] = {"name": name, "title": stone.name}
-        if (proportions := stone.proportions) is not None:
-            record |= asdict(proportions)
-            record["lower_half"] = 100.0 - proportions.lower_girdle_contact
-            record["crown_angle"] = proportions.crown_angle_deg
-            record["pavilion_angle"] = proportions.pavilion_angle_deg
-        records.append(record | {"material": stone.material or "diamond"})
+        record |= {key: own.get(key) for key in _PROPORTIONS}
+        record |= {"material": stone.material or "diamond", "family": of}
+        records.append(record | {key: own.get(key) for key in ("length_to_width", "culet")})
     return records
 
 
-def stone_table() -> TextTable:
-    """Return the bundled stones with their proportions as a report of a laboratory has them."""
+def stone_table(shape: str | None = None) -> TextTable:
+    """Return the bundled stones, or those of a family, with their proportions as a report has them."""
     table = TextTable(
         [
             Column("Name", is_text=True),
             Column("Stone", is_text=True),
-            *(Column(heading, rank) for heading, _, rank in _PROPORTIONS),
+            *(Column(heading, rank) for heading, _, rank in _COLUMNS),
         ]
     )
-    for record in stone_records():
-        table.rows.append(
-            [
-                record["name"],
-                record["title"],
-                *(f"{record[key]:.4g}" if key in record else "–" for _, key, _ in _PROPORTIONS),
-            ]
-        )
-    table.note("Angles in degrees; lower half: 100 less the lower-girdle contact; the rest in per cent.")
-    table.note("gemrender stones --show NAME prints the file of one.")
+    for record in stone_records(shape):
+        numbers = (record[key] for _, key, _ in _COLUMNS)
+        shown = ("–" if number is None else f"{number:.4g}" for number in numbers)
+        table.rows.append([record["name"], record["title"], *shown])
+    table.note(
+        "L/W: length over width; angles in degrees; lower half: 100 less the lower-girdle contact; the rest "
+        "in per cent of the width."
+    )
+    table.note("gemrender stones --show NAME prints the file of one, --family NAME lists those of a family.")
     return table
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from gemrender.cuts.design import Design
 from gemrender.cuts.families.family import Family
+from gemrender.cuts.stones import taken_lines
 from gemrender.errors import InputError
 from gemrender.optics import load_material, refractive_index
 from gemrender.optics.material import DIAMETER_RANGE_MM
@@ -190,7 +191,7 @@ def inspection_tables(inspections: Sequence[Inspection]) -> list[TextTable]:
     for found in inspections:
         figures = TextTable([Column(found.name, is_text=True), Column("", is_text=True, wraps=True)])
         figures.rows += _figures(found)
-        for words in (*found.notes, *(f"taken: {words}" for words in found.assumed)):
+        for words in (*found.notes, *(f"taken: {words}" for words in taken_lines(found.assumed))):
             figures.note(f"{found.name}: {words}.", "yellow")
         tables += [figures, _tier_table(found)]
     tables[-1].note(

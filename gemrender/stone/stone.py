@@ -9,7 +9,7 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 
 from gemrender.errors import InputError
-from gemrender.stone.facets import Facet
+from gemrender.stone.facets import LEVEL, Facet
 from gemrender.stone.frame import lower_edge
 from gemrender.stone.planes import mean_planes
 from gemrender.stone.solid import ConvexSolid, MeshSolid
@@ -216,8 +216,10 @@ class Stone:
             known_symmetry=None,
         )
 
-    def tilted(self, deviation_deg: float, rng: np.random.Generator, *, name: str | None = None) -> Stone:
-        """Return the stone with every plane facet tilted at random about its middle.
+    def tilted(
+        self, deviation_deg: float, rng: np.random.Generator, *, depth: float = 0.0, name: str | None = None
+    ) -> Stone:
+        """Return the stone with every plane facet tilted at random about its middle, and cut deeper or less.
 
         Level ones stay, and those that others cut away.
 
@@ -229,7 +231,9 @@ class Stone:
         deviation_deg : float
             Standard deviation of either angle [deg].
         rng : numpy.random.Generator
-            Source of the angles.
+            Source of the angles and depths.
+        depth : float
+            Standard deviation of how far each facet is moved along its normal [stone's unit].
 
         Raises
         ------
@@ -249,6 +253,9 @@ class Stone:
         turned = np.where(stays[:, None], normals, normals + a * u + b * v)
         turned /= np.linalg.norm(turned, axis=1, keepdims=True)
         offsets = np.where(stays, self.facet_offsets, np.einsum("ij,ij->i", turned, middles))
+        if depth:
+            level = np.abs(normals[:, 2]) <= LEVEL  # the girdle is the outline, and stays
+            offsets += np.where(level | (areas <= _NO_AREA), 0.0, rng.normal(0.0, depth, len(normals)))
         kept = solid.facet >= len(normals)  # the planes of a girdle that is not one plane
         planes = np.column_stack([turned, offsets])
         return replace(

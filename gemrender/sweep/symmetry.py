@@ -16,22 +16,17 @@ from typing import Any
 
 import numpy as np
 
-from gemrender.cuts import stone_from_vertices
-from gemrender.engines import DEFAULT_ENGINE, DEFAULT_VARIANT, engine_for, require_engine
+from gemrender.engines import DEFAULT_ENGINE, engine_for
 from gemrender.errors import InputError
 from gemrender.journal import Journal
-from gemrender.stone import ConvexSolid, Stone
+from gemrender.stone import Stone
+from gemrender.sweep.spreading import limit_threads
+from gemrender.sweep.unknown import MOST_JITTER, MOST_TILT_DEG, Cutting, Measuring, draw
 from gemrender.sweep.workers import LostProcessError, in_processes
 
 __all__ = ["MOST_DRAWS", "SymmetryStudy", "check_study", "draw_stone", "study_symmetry"]
 
 MOST_DRAWS = 100_000
-#: Largest standard deviation [deg]: the worst stones sold are off by one or two.
-MOST_TILT_DEG = 5.0
-#: Largest standard deviation of a jittered vertex [girdle radius].
-MOST_JITTER = 0.05
-#: A draw that makes no stone (facets that vanish, vertices out of order) is drawn again so many times.
-MOST_ATTEMPTS = 100
 #: What scores may be off 0 to 100 % by, as rounding may have it [%].
 _ROUNDING = 1e-3
 #: Draws that a process makes at a time: enough to hide the hand-over, few enough for a lively progress.
@@ -96,21 +91,8 @@ def draw_stone(stone: Stone, tilt_deg: float, jitter: float, seed: int, number: 
     InputError
         No draw made a stone: the deviation is too large for it.
     """
-    rng = np.random.default_rng([seed, number])
-    for _ in range(MOST_ATTEMPTS):
-        try:
-            if jitter:
-                moved = stone.vertices + rng.normal(0.0, jitter, stone.vertices.shape)
-                return stone_from_vertices(moved, name=stone.name, material=stone.material)
-            drawn = stone.tilted(tilt_deg, rng)
-            if isinstance(drawn.solid, ConvexSolid):
-                drawn.solid.cut(32)  # fails where nothing is left
-        except InputError as error:
-            last = error
-        else:
-            return drawn
-    key, value = ("jitter", jitter) if jitter else ("deviation", tilt_deg)
-    raise InputError(f"makes no stone in {MOST_ATTEMPTS} draws: {last}", key=key, value=value) from last
+    unknown = Measuring(jitter) if jitter else Cutting(tilt_deg)
+    return draw(stone, unknown, seed, number)
 
 
 def study_symmetry(
@@ -256,11 +238,7 @@ def _score_batch(
 ) -> list[tuple[int, tuple[float, float]]]:
     from gemrender.scoring import score
 
-    if threads is not None and engine_for(options.get("engine", DEFAULT_ENGINE), stone) == "mitsuba":
-        require_engine("mitsuba", options.get("variant", DEFAULT_VARIANT))
-        import drjit as dr
-
-        dr.set_thread_count(threads)
+    limit_threads(threads, stone, options)
     out = []
     for number in numbers:
         drawn = stone if number < 0 else draw_stone(stone, tilt_deg, jitter, seed, number)

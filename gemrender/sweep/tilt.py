@@ -5,9 +5,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import math
-import os
-from collections.abc import Callable, Generator, Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -17,7 +15,6 @@ import numpy as np
 from gemrender.engines import (
     DEFAULT_ENGINE,
     DEFAULT_HEAD,
-    DEFAULT_VARIANT,
     check_head,
     engine_for,
     require_engine,
@@ -29,15 +26,22 @@ from gemrender.observation import MeasureValues
 from gemrender.stone import Stone
 from gemrender.stone.symmetry import NONE, Symmetry
 from gemrender.sweep.poses import Pose, alike, tilt_poses
+from gemrender.sweep.spreading import FEW, limit_threads, spread
 from gemrender.sweep.tilted import Tie, TiltedValues, TiltStudy
-from gemrender.sweep.workers import LostProcessError, in_processes
+from gemrender.sweep.workers import LostProcessError
 
-__all__ = ["DEFAULT_TILT_BOUND", "Tie", "TiltStudy", "TiltedValues", "study_tilt", "tilt_measures"]
+__all__ = [
+    "DEFAULT_TILT_BOUND",
+    "Tie",
+    "TiltStudy",
+    "TiltedValues",
+    "solid_digest",
+    "study_tilt",
+    "tilt_measures",
+]
 
 #: Error bound of exact values unless another is asked for [%].
 DEFAULT_TILT_BOUND = 0.1
-#: Up to so many poses the exact engine is shared out to threads: processes take longer to start than that.
-_FEW = 200
 
 
 def tilt_measures(chosen: str | Measure | Iterable[str | Measure] = "inoue") -> tuple[Measure, ...]:
@@ -131,8 +135,9 @@ def study_tilt(
         known: dict[tuple[float, float], _Found] = {} if kept is None else dict(kept.known)
         missing = [pose for key, pose in traced.items() if key not in known]
         try:
-            by_threads = used == "exact" and len(missing) <= _FEW
-            results = _spread(work, missing, processes, by_threads=by_threads)
+            by_threads = used == "exact" and len(missing) <= FEW
+            missing.sort(key=lambda pose: -abs(pose.turn_deg))  # the most tilted take longest
+            results = spread(work, missing, processes, by_threads=by_threads)
             for pose, found in stack.enter_context(contextlib.closing(results)):
                 known[alike(symmetry, pose)] = found
                 if kept is not None:
@@ -162,32 +167,6 @@ def study_tilt(
 _Found = tuple[tuple[MeasureValues, ...], tuple[str, ...]]
 
 
-def _spread(
-    work: Callable[[int | None, Pose], tuple[Pose, _Found]],
-    poses: Sequence[Pose],
-    processes: int | None,
-    *,
-    by_threads: bool,
-) -> Generator[tuple[Pose, _Found], None, None]:
-    """Trace poses, in any order: by threads, which the exact engine's kernels let run, or by processes."""
-    count = min(processes or os.cpu_count() or 1, len(poses))
-    poses = sorted(poses, key=lambda pose: -abs(pose.turn_deg))  # the most tilted take longest
-    if count <= 1:
-        for pose in poses:
-            yield work(None, pose)
-    elif by_threads:
-        pool = ThreadPoolExecutor(count)
-        try:
-            for done in as_completed([pool.submit(work, None, pose) for pose in poses]):
-                yield done.result()
-        finally:
-            pool.shutdown(cancel_futures=True)
-    else:
-        threads = max(1, (os.cpu_count() or 1) // count)  # each with its share of the processors
-        with contextlib.closing(in_processes(partial(work, threads), poses, count)) as results:
-            yield from results
-
-
 def _trace(
     stone: Stone,
     measures: tuple[Measure, ...],
@@ -198,11 +177,7 @@ def _trace(
 ) -> tuple[Pose, _Found]:
     from gemrender.scoring import score
 
-    if threads is not None and engine_for(options.get("engine", DEFAULT_ENGINE), stone) == "mitsuba":
-        require_engine("mitsuba", options.get("variant", DEFAULT_VARIANT))
-        import drjit as dr
-
-        dr.set_thread_count(threads)
+    limit_threads(threads, stone, options)
     tilt, azimuth = pose.eye
     found = score(stone, measures=measures, head=head, **{**options, "tilt": tilt, "tilt_azimuth": azimuth})
     return pose, (found.measures or (), found.notes)
@@ -211,17 +186,22 @@ def _trace(
 # ---- The journal ---------------------------------------------------------------------------------------
 
 
-def _head(
-    stone: Stone, measures: tuple[Measure, ...], head: float, options: dict[str, Any]
-) -> dict[str, Any]:
-    """Return all that a pose's values depend on, but the pose."""
+def solid_digest(stone: Stone) -> str:
+    """Return what tells a stone's shape and facets from those of others, for the first line of a journal."""
     solid = stone.solid
     digest = hashlib.sha256(repr((stone.facets, solid.is_round)).encode())
     for part in (solid.planes, solid.facet, *([] if stone.is_convex else [solid.vertices])):
         digest.update(np.ascontiguousarray(part).tobytes())
+    return digest.hexdigest()
+
+
+def _head(
+    stone: Stone, measures: tuple[Measure, ...], head: float, options: dict[str, Any]
+) -> dict[str, Any]:
+    """Return all that a pose's values depend on, but the pose."""
     return {
         "tilted": stone.name,
-        "solid": digest.hexdigest(),
+        "solid": solid_digest(stone),
         "material": stone.material,
         "measures": [[of.name, of.version] for of in measures],
         "head_deg": float(head),

@@ -18,7 +18,7 @@ SCENE = "scene inoue-3 --out s"
 BAD_INPUT = {
     "render": "STONE: missing: stone files (.toml, .csv, .asc, ",
     "render inoue-3": "--out: missing: picture or film to write, or the folder for it: .png, ",
-    "render inoue-9 -o a.png": "inoue-9: no such file; the bundled stones are fish-eye, ",
+    "render inoue-9 -o a.png": "inoue-9: no such file, and no bundled stone (see: gemrender stones); ",
     "render inoue-3 -o a.bmp": "--out = 'a.bmp': must end in .png, .jpg, .jpeg, .webp, .exr, .mp4",
     "render inoue-3 -o a": "--out = 'a': must end in .png, .jpg, .jpeg, .webp, .exr, .mp4",
     "render inoue-3 -o text.txt/a.png": "--out = 'text.txt': must be a folder that can be written: is a file",

@@ -15,9 +15,9 @@ from gemrender.beam import FacetStatus, beam_stone, check_bound, measure, trace_
 from gemrender.beam.clipping import area, keep_below
 from gemrender.beam.compiled import STEP
 from gemrender.beam.crossing import into_air, into_stone
-from gemrender.beam.facets import along_paths
 from gemrender.beam.measure import BOUND_RANGE, facet_sums
 from gemrender.beam.near_girdle import CELLS, RIM, NearGirdle
+from gemrender.beam.unfold import in_common
 from gemrender.beam.view_area import view_area
 from gemrender.cuts import RoundBrilliant, load_stone, stone_from_vertices
 from gemrender.cuts.random import random_brilliant
@@ -108,9 +108,11 @@ def test_the_area_of_a_moving_edge_has_its_derivative():
     assert cut.imag / STEP == pytest.approx(1)
 
 
-def test_values_are_combined_along_a_path():
-    parents = np.array([-1, -1, 0, 2, 3, 1])
-    np.testing.assert_array_equal(along_paths(parents, 2 ** np.arange(6), np.add), [1, 2, 5, 13, 29, 34])
+def test_the_bits_of_all_facets_along_a_path_are_combined():
+    parents, facets = [-1, -1, 0, 2, 3, 1], [0, 1, 2, 0, 3, 2]
+    nodes = np.column_stack([parents, facets])
+    bits = np.array([0b0111, 0b1000, 0b0101, 0b0110])
+    np.testing.assert_array_equal(in_common(nodes, bits), [0b0111, 0b1000, 0b0101, 0b0101, 0b0100, 0])
 
 
 # ---- Stones --------------------------------------------------------------------------------------------

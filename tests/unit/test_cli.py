@@ -57,8 +57,8 @@ BAD_INPUT = {
     "score": "STONE: missing: stone files (.toml, .csv, .asc, ",
     "scene --out x": "STONE: missing: stone files (.toml, .csv, .asc, ",
     "crosscheck": "STONE: missing: name stones, or ask for some by --random",
-    "score inoue-9": "inoue-9: no such file; the bundled stones are fish-eye, ",
-    "score inoue-1 inoue-9 --out x": "inoue-9: no such file; ",
+    "score inoue-9": "inoue-9: no such file, and no bundled stone (see: gemrender stones); ",
+    "score inoue-1 inoue-9 --out x": "inoue-9: no such file, and ",
     "score .": ".: cannot be read (Is a directory)",
     "score text.toml": "text.toml: ",
     "score table.toml": "table.toml: proportions.table = 'wide': must be a number",
@@ -123,12 +123,15 @@ BAD_INPUT = {
 }
 #: The same, where an argument is empty or holds spaces.
 BAD_ARGUMENTS = [
-    (["score", ""], "STONE = '': must be a stone file or one of fish-eye, "),
+    (["score", ""], "STONE = '': must be a stone file or a bundled stone (see: "),
     (["score", "inoue-1", "--out", ""], "--out = '': must be a folder that can be written: has no name"),
     (["score", "inoue-1", "--engine", ""], "--engine = '': must be one of auto, exact, mitsuba, reference"),
     (["score", "inoue-1", "--variant", ""], "--variant = '': must be one of llvm_ad_rgb, "),
     (["score", "inoue-1", "--tilt", ""], "--tilt = '': must be a finite number of degrees"),
-    (["score", "a\nb\x1b[31m"], "a b\ufffd[31m: no such file; "),  # no second line, no commands to a terminal
+    (
+        ["score", "a\nb\x1b[31m"],
+        "a b\ufffd[31m: no such file, and ",
+    ),  # no second line, no commands to a terminal
     (["score", "inoue-1", "--out", "\udcff"], "--out = '\\udcff': must be a folder that can be written: "),
 ]
 TABLE = [(line.split(), words) for line, words in BAD_INPUT.items()] + BAD_ARGUMENTS
@@ -156,7 +159,11 @@ def test_bad_input_is_one_line_that_says_what_is_allowed(arguments, words, folde
 
 @pytest.mark.parametrize(
     ("slip", "meant"),
-    [("scor inoue-1", "score"), (f"{SCORE} --resoluton 9", "--resolution"), ("score inoue3", "inoue-3")],
+    [
+        ("scor inoue-1", "score"),
+        (f"{SCORE} --resoluton 9", "--resolution"),
+        ("score inoue3", "inoue-3, inoue-2 or inoue-1"),
+    ],
 )
 def test_a_slip_is_answered_with_what_was_meant(slip, meant, gemrender):
     assert gemrender(*slip.split())[2].endswith(f"; did you mean {meant}?\n")
@@ -259,6 +266,19 @@ def test_stones_lists_the_bundled_ones(gemrender):
     assert status == 0
     rows = [line for line in out.splitlines() if line.startswith(" ") and not line.startswith((" ─", "  "))]
     assert [row.split()[0] for row in rows] == ["Name", *bundled_stones()]
+
+
+def test_stones_lists_those_of_a_family(gemrender):
+    status, out, _ = gemrender("stones", "--family", "OV", "--format", "json")
+    assert status == 0
+    records = json.loads(out)
+    assert records
+    assert {record["family"] for record in records} == {"oval"}
+    of_all = json.loads(gemrender("stones", "--format", "json")[1])
+    assert all(list(record) == list(records[0]) for record in of_all)
+    status, _, err = gemrender("stones", "--family", "x")
+    assert (status, err.count("\n")) == (2, 1)
+    assert err.startswith("gemrender: --family = 'x': must be one of round brilliant, ")
 
 
 @pytest.mark.parametrize("arguments", [["--help"], ["-h"], ["score", "-h"], ["crosscheck", "--help"]])

@@ -330,7 +330,7 @@ def test_commands_options_choices_and_names_are_completed(tmp_path):
         "gemrender score ino": [name for name in bundled_stones() if name.startswith("ino")],
         "gemrender score ins": ["inside.toml"],
         "gemrender score int": ["into/"],
-        "gemrender score inoue-3 --set pav": ["pavilion_angle=", "pavilion_depth="],
+        "gemrender score inoue-3 --set pavilion_a": ["pavilion_angle="],
         "gemrender render --setup stu": ["studio"],
         "gemrender render --material ru": ["ruby", "rutile"],
         "gemrender score inoue-3 --format m": ["markdown"],

@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 from displays_help import boxes, measured_stone, overlaps, texts
 from matplotlib import image
+from solids import BRILLIANTS
 
 from gemrender.cli.show import _DISPLAYS, _FORMATS, _points
-from gemrender.cuts import RoundBrilliant, bundled_stones, load_stone, stone_from_vertices
+from gemrender.cuts import RoundBrilliant, load_stone, stone_from_vertices
 from gemrender.cuts.round_brilliant.topology import FACET_KINDS, GIRDLE, TRIANGLES, VERTEX_LABELS
 from gemrender.errors import InputError
 from gemrender.observation import Model, RayStatus
@@ -34,7 +35,7 @@ ROUNDING_PERCENT = 1e-10
 WRITTEN = 0.005
 
 DRAWINGS = ("outline", "vertices", "shape", "triangles", "rays", "fan")
-NAMES = (*bundled_stones(), "measured")
+NAMES = (*BRILLIANTS, "measured")
 
 
 @cache
@@ -98,7 +99,7 @@ def test_the_map_is_that_of_the_report(tmp_path):
 # ---- Outline ----
 
 
-@pytest.mark.parametrize("bundled", bundled_stones())
+@pytest.mark.parametrize("bundled", BRILLIANTS)
 def test_the_outline_says_the_proportions(bundled):
     p = stone_named(bundled).proportions
     said = texts(drawn(bundled, "outline"))
@@ -219,7 +220,7 @@ def _data_boxes(axes):
 # ---- Hidden lines ----
 
 
-@pytest.mark.parametrize("bundled", bundled_stones())
+@pytest.mark.parametrize("bundled", BRILLIANTS)
 def test_facets_seen_from_above_and_below(bundled):
     stone = stone_named(bundled)
     crown, pavilion = look_at(stone, CROWN), look_at(stone, PAVILION)
@@ -230,7 +231,7 @@ def test_facets_seen_from_above_and_below(bundled):
     assert len(visible_triangles(stone, pavilion)) == 32
 
 
-@pytest.mark.parametrize("bundled", bundled_stones())
+@pytest.mark.parametrize("bundled", BRILLIANTS)
 def test_facets_seen_from_the_side(bundled):
     """By symmetry half of each kind, less what is seen edge on."""
     view = look_at(stone_named(bundled), side())

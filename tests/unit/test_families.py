@@ -12,6 +12,7 @@ import pytest
 from gemrender.cuts import RoundBrilliant, load_stone
 from gemrender.cuts import families as folder
 from gemrender.cuts.families import families, step
+from gemrender.cuts.girdle_words import CULET_WORDS
 from gemrender.errors import InputError
 from gemrender.scoring import score
 from gemrender.stone import tessellate
@@ -97,7 +98,7 @@ def test_a_step_cut_scores(stone_of):
         ('family = "step"\ncrown_angles = 40', "cut.crown_angles = 40: must be a list of 1 to 12 numbers"),
         ('family = "step"\ncrown_angles = [40, "x"]', "cut.crown_angles = 'x': must be a number from "),
         ('family = "step"\ncrown_angles = [30, 40]', "cut.crown_angles = [30.0, 40.0]: must fall "),
-        ('family = "round brilliant"\ntable = 57', "cut.star: missing; needs star, "),
+        ('family = "round brilliant"\nculet = "tiny"', "cut.culet = 'tiny': must be 0 or from 0.1 to 20 "),
     ],
 )  # fmt: skip
 def test_what_makes_no_cut_is_told(stone_of, text, said):
@@ -118,3 +119,11 @@ def test_a_familys_own_parameters_are_no_brilliants_proportions():
     """A family may keep itself as the stone's cut, and call a parameter what brilliants do."""
     cut = step.Parameters()
     assert replace(cut.stone(), cut=cut).proportions is None
+
+
+@pytest.mark.parametrize(
+    "family", [kind for kind in families().values() if "culet" in kind.__dataclass_fields__]
+)
+def test_every_culet_is_stated_in_words_too(family):
+    assert family(culet="none").culet == 0.0
+    assert family(culet="small").culet == CULET_WORDS["small"]

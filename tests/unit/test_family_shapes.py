@@ -48,7 +48,8 @@ def test_every_parameter_has_a_default_and_the_family_alone_is_a_stone(kind):
     assert all(part.default is not MISSING for part in fields(kind))
     stone = kind().stone()
     assert_closed(tessellate(stone))
-    assert stone.cut == kind()
+    # A brilliant that the paper's proportions describe keeps these as its cut.
+    assert stone.cut in (kind(), getattr(kind(), "proportions", kind)())
 
 
 @pytest.mark.parametrize("kind", FAMILIES.values(), ids=FAMILIES)

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tolerances import PRINTED_PERCENT, ROUNDING
 
-from gemrender.cuts import RoundBrilliant, load_stone
-from gemrender.cuts.girdle_words import GIRDLE_WORDS, check_culet, read_girdle
+from gemrender.cuts import RoundBrilliant, load_stone, load_stones
+from gemrender.cuts.girdle_words import CULET_WORDS, GIRDLE_WORDS, read_culet, read_girdle
 from gemrender.cuts.laboratory import REPORT_KEYS, read_report
 from gemrender.errors import InputError
 
@@ -212,10 +212,20 @@ def test_depth_tolerance_is_the_sum_of_half_steps():
             "must be from 0.5 to 60 [%]",
         ),
         (without(depth=3.9), "depth = 3.9: must be from 20 to 160 [%]"),
-        (without(shape="Oval"), "shape = 'Oval': must be round: other shapes cannot be made yet"),
+        (without(shape="Oval"), "shape = 'Oval': must be round: this is for round brilliants"),
         (
-            without(culet="Very Small"),
-            "culet = 'Very Small': must be none or pointed: stones with a culet facet cannot be made yet",
+            without(culet="tiny"),
+            "culet = 'tiny': must be 0 or from 0.1 to 20 [% of the diameter], or one of none, very small, "
+            "small, medium, slightly large, large, very large, extremely large",
+        ),
+        (
+            without(culet="very large", lower_half=95),
+            "culet = 9.0: would reach the lower halves: for lower_half = 95 % it must be at most 4.53 %",
+        ),
+        (
+            without("depth", culet=4.0),
+            "pavilion_depth = 43.0: pavilion_angle = 40.7 with a culet of 4 makes it 41.3 %; the rounding of "
+            "a report allows a difference of 0.42 %",
         ),
         (
             {"table": 55, "depth": 61.5},
@@ -265,15 +275,80 @@ def test_girdle_that_says_nothing(text):
         read_girdle(text)
 
 
-@pytest.mark.parametrize("culet", ["none", "None", "NON", "pointed", "Pointed (None)", "N", 0, 0.0, "0 %"])
-def test_culet_that_is_a_point(culet):
-    check_culet(culet)
+@pytest.mark.parametrize(
+    ("culet", "width"),
+    [
+        *CULET_WORDS.items(),
+        *zip(("NON", "VSM", "SML", "MED", "SLG", "LGE", "VLG", "ELG"), CULET_WORDS.values(), strict=True),
+        *((text, 0.0) for text in ("None", "pointed", "Pointed (None)", "N", "0 %", "no culet", 0, 0.0)),
+        ("S", CULET_WORDS["small"]),
+        ("v. small", CULET_WORDS["very small"]),
+        ("Small (1.2 %)", 1.2),
+        ("1,2 %", 1.2),
+        (3, 3.0),
+    ],
+)
+def test_culet(culet, width):
+    assert read_culet(culet) == width
 
 
-@pytest.mark.parametrize("culet", ["small", "VSM", "medium", 0.5, "0.5 %", "", True, "none, abraded"])
-def test_culet_that_is_a_facet(culet):
-    with pytest.raises(InputError, match="must be none or pointed"):
-        check_culet(culet)
+@pytest.mark.parametrize(
+    "culet",
+    [
+        "",
+        True,
+        "none, abraded",
+        "0.5 mm",
+        "none 1 %",
+        "small 0",
+        "slightly small",
+        "1 2",
+        -1,
+        "-0.5",
+        25,
+        math.nan,
+    ],
+)
+def test_culet_that_says_nothing(culet):
+    with pytest.raises(InputError, match=r"must be 0 or from 0\.1 to 20"):
+        read_culet(culet)
+
+
+# ---- Culets --------------------------------------------------------------------------------------------
+
+
+def test_depth_of_a_stone_with_a_culet_is_down_to_it():
+    """A pavilion of the same angle ends where the culet cuts it off."""
+    report = read_report(without("pavilion_depth", "depth", culet=4.0))
+    assert report.cut.culet == 4.0
+    expected = (100 - 4.0) / 2 * math.tan(math.radians(40.7))
+    assert abs(report.cut.pavilion_depth - expected) < SUM
+    assert abs(report.cut.alternatives()["pavilion_angle"] - 40.7) < SUM
+
+
+def test_a_culet_in_words_is_told_and_leaves_the_depth_some_room():
+    values = without(culet="Small")
+    report = read_report(values)
+    assert report.cut.culet == CULET_WORDS["small"]
+    assert assumed(values) == ["culet 1.5 of 'small'"]
+
+
+def test_without_a_culet_the_cut_is_the_proportions():
+    report = read_report(REFERENCE)
+    assert report.cut is report.proportions
+
+
+def test_a_table_has_stones_with_culets(tmp_path):
+    path = tmp_path / "stones.csv"
+    path.write_text(
+        "table,crown angle,pavilion angle,girdle,culet\n"
+        "57,34,40.8,3,none\n57,34,40.8,3,medium\n57,34,40.8,3,5.5\n",
+        encoding="utf-8",
+    )
+    stones = load_stones(path)
+    assert [stone.facet_kinds.count("culet") for stone in stones] == [0, 1, 1]
+    assert [getattr(stone.cut, "culet", 0.0) for stone in stones] == [0.0, CULET_WORDS["medium"], 5.5]
+    assert isinstance(stones[0].cut, RoundBrilliant)
 
 
 # ---- Values of any kind --------------------------------------------------------------------------------

@@ -8,10 +8,10 @@ import math
 
 import numpy as np
 import pytest
-from solids import half_space_volume
+from solids import BRILLIANTS, half_space_volume
 from tolerances import MESH_VOLUME, QUADRATURE_VOLUME, ROUNDING
 
-from gemrender.cuts import bundled_stones, load_stone
+from gemrender.cuts import load_stone
 from gemrender.cuts.round_brilliant.topology import CULET, FACET_POLYGONS
 from gemrender.errors import InputError
 from gemrender.optics import load_material
@@ -21,7 +21,7 @@ from gemrender.scene.placing import frame, place, towards
 from gemrender.scene.setup import CAMERAS, POSES, Camera, Setup, Sky, load_setup
 from gemrender.stone import tessellate
 
-STONES = [load_stone(name) for name in bundled_stones()]
+STONES = [load_stone(name) for name in BRILLIANTS]
 ROW = [load_stone(name) for name in ("inoue-1", "inoue-3", "tolkowsky")]
 AZIMUTHS = [-90.0, 0.0, 37.0, 180.0, 250.0]
 

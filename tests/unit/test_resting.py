@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from observations import ROOT
 from scipy.spatial import ConvexHull
-from solids import cleft_heart, star_prism
+from solids import BRILLIANTS, cleft_heart, star_prism
 
-from gemrender.cuts import bundled_stones, load_stone
+from gemrender.cuts import load_stone
 from gemrender.errors import InputError
 from gemrender.render.photoreal import make_gems
 from gemrender.scene.photoreal import photoreal_scene
@@ -59,7 +59,7 @@ def is_stable(stone, normal):
     return bool((hull[:, :2] @ (across @ centre_of_mass(stone)) + hull[:, 2] < -1e-7).all())
 
 
-@pytest.mark.parametrize("name", bundled_stones())
+@pytest.mark.parametrize("name", BRILLIANTS)
 def test_a_brilliant_lies_on_a_pavilion_main(name):
     stone = load_stone(name)
     main = stone.facet_kinds.index("pavilion_main")

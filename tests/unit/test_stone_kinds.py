@@ -100,7 +100,7 @@ def test_octonus_gem_is_refused_in_one_line(tmp_path):
 @pytest.mark.parametrize("kind", READ_KINDS)
 def test_what_is_not_there_or_empty_is_told(kind, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(InputError, match=f"^none.{kind}: no such file; the bundled stones are"):
+    with pytest.raises(InputError, match=f"^none.{kind}: no such file, and no bundled stone"):
         gemrender.load_stone(f"none.{kind}")
     Path(f"empty.{kind}").write_bytes(b"")
     with pytest.raises(InputError, match="is empty"):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from solids import assert_closed, bent_stone, half_space_volume, mesh_volume, scalloped_volume
+from solids import BRILLIANTS, assert_closed, bent_stone, half_space_volume, mesh_volume, scalloped_volume
 from tolerances import MESH_VOLUME, PLANE, QUADRATURE_VOLUME, ROUNDING, SAGITTA
 
 from gemrender.cuts import RoundBrilliant, bundled_stones, load_stone, stone_from_vertices
@@ -102,7 +102,7 @@ def test_a_round_girdle_of_any_number_of_pieces_is_closed(pieces):
 # ---- The solid -----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", bundled_stones())
+@pytest.mark.parametrize("name", BRILLIANTS)
 def test_volume_is_that_of_half_spaces_and_cylinder(name):
     stone = load_stone(name)
     assert stone.proportions is not None

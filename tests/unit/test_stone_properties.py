@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from solids import assert_closed, half_space_volume, mesh_volume
+from solids import BRILLIANTS, assert_closed, half_space_volume, mesh_volume
 from tolerances import MESH_VOLUME, PLANE, QUADRATURE_VOLUME, ROUNDING
 
 from gemrender.cuts import RoundBrilliant, bundled_stones, load_stone, stone_from_vertices
@@ -189,10 +189,21 @@ def load(path: Path, text: bytes) -> None:
 
 SCENES = [Path(load_stone(name).source or "").read_bytes() for name in bundled_stones()]
 MATERIAL = [text + b"\n[material]\nindex = 2.4\n" for text in SCENES[:2]]
+SIZES = [
+    b"[report]\nshape = 'Oval Brilliant'\ntable = 57\ndepth = 62.2\ngirdle = 'medium'\nculet = 'none'\n"
+    b"[size]\nmeasurements = '8.10 x 5.95 x 3.70 mm'\ncarat = 1.08\n",
+    b"[cut]\nfamily = 'emerald'\nlength_to_width = 1.39\n[size]\nlength_mm = 7.5\nwidth_mm = 5.40\n",
+    b"[report]\ntable = 57\ncrown_angle = 34.5\npavilion_angle = 40.8\n"
+    b"[size]\ndiameter_mm = 6.5\ndepth_mm = 4\n",
+]
 
 
 @settings(max_examples=400, **REPEATABLE)
-@given(text=damaged([*SCENES, *MATERIAL, b"name = 'x'\nvertices = 'v.csv'\n[material]\nname = 'diamond'\n"]))
+@given(
+    text=damaged(
+        [*SCENES, *MATERIAL, *SIZES, b"name = 'x'\nvertices = 'v.csv'\n[material]\nname = 'diamond'\n"]
+    )
+)
 def test_damaged_toml(folder, text):
     load(folder / "stone.toml", text)
 
@@ -218,7 +229,7 @@ def test_files_of_anything(folder, text):
 
 # ---- Measured vertices ---------------------------------------------------------------------------------
 
-VERTICES = [load_stone(name).vertices for name in bundled_stones()]
+VERTICES = [load_stone(name).vertices for name in BRILLIANTS]
 
 
 @settings(max_examples=60, **REPEATABLE)

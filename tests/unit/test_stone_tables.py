@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from gemrender.cuts import RoundBrilliant, load_stone, load_stones
 from gemrender.cuts.columns import ALIASES, known_column
 from gemrender.cuts.files import save_vertices
+from gemrender.cuts.shape_words import shape_words
 from gemrender.cuts.stones import Stones
 from gemrender.cuts.table import StoneTable, open_table
 from gemrender.errors import InputError
@@ -305,6 +306,7 @@ def test_table_where_one_stone_is_needed():
 
 # ---- Bad tables ----------------------------------------------------------------------------------------
 
+SHAPES = ", ".join(dict.fromkeys(shape_words().values()))
 _NEEDS = "the depth stands for one of these only"
 
 REFUSED = {
@@ -363,14 +365,14 @@ REFUSED = {
         "3 more",
     ),
     "missing cell": (lines(ROW[:5]), "row 1 (line 2): has 5 columns, the header 6, with commas between them"),
-    "not a round": (
-        lines((*ROW, "Round"), (*ROW, "Pear"), header=(*ANGLES, "Shape")),
-        "row 2 (line 3), Shape = 'Pear': must be round: other shapes cannot be made yet",
+    "no shape that can be made": (
+        lines((*ROW, "Round"), (*ROW, "Heart"), header=(*ANGLES, "Shape")),
+        f"row 2 (line 3), Shape = 'Heart': must be one of {SHAPES}, as laboratories or shops write them",
     ),
-    "culet facet": (
-        lines((*ROW, "Small"), header=(*ANGLES, "Culet")),
-        "row 1 (line 2), Culet = 'Small': must be none or pointed: stones with a culet facet cannot be made "
-        "yet",
+    "culet in no words": (
+        lines((*ROW, "Tiny"), header=(*ANGLES, "Culet")),
+        "row 1 (line 2), Culet = 'Tiny': must be 0 or from 0.1 to 20 [% of the diameter], or one of none, "
+        "very small, small, medium, slightly large, large, very large, extremely large",
     ),
     "row numbers for an index": (
         lines((*ROW, 1), header=(*ANGLES, "index")),
@@ -433,6 +435,11 @@ TEXTS = [
     lines(ROW, ROW).encode(),
     lines(tuple(TRADE.values()), header=tuple(TRADE)).encode(),
     lines(("a", *ROW), header=("name", *ANGLES), delimiter=";").replace(".", ",").encode(),
+    lines(
+        ("oval", "8.10 x 5.95 x 3.70 mm", 57, 62.2, "medium", "none", "1.36", 1.08, 8),
+        ("EM", "7.50-5.40x3.55", 65, "", "thin", "", "", "", ""),
+        header=("shape", "measurements", "table", "depth", "girdle", "culet", "L/W", "carat", "mains"),
+    ).encode(),
 ]
 
 

@@ -24,10 +24,14 @@ _Curve = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
 def circle(count: int = 16) -> Girdle:
-    """Return the circle of radius 1, whose girdle is a cylinder, with so many girdle points."""
+    """Return the circle of radius 1, whose girdle is a cylinder, with so many girdle points.
+
+    The first lies at +x, as that of round brilliants in the paper's frame.
+    """
     end = _round_end(1.0, 1.0, 0.0)
     outline = _outline(end, end, count=count, pieces=1)
-    return Girdle(outline.points, outline.tangents, is_round=True)
+    points, tangents = (np.roll(of, count // 4, axis=0) for of in (outline.points, outline.tangents))
+    return Girdle(points, tangents, is_round=True)
 
 
 def ellipse(half_width: Any, half_length: Any = 1.0, *, shoulder: Any = 0.0, count: int = 16) -> Girdle:

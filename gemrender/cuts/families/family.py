@@ -11,8 +11,8 @@ import numpy as np
 from gemrender.cuts.construction import Construction
 from gemrender.cuts.construction.meet_points import GEAR
 from gemrender.cuts.design import Design, Tier
-from gemrender.cuts.families.marks import Mark, usual_marks
 from gemrender.cuts.families.parameters import Alternative, check_parameters
+from gemrender.cuts.marks import Mark, usual_marks
 from gemrender.stone import ConvexSolid, Facet, Stone
 
 __all__ = ["Family"]
@@ -111,6 +111,10 @@ class Family:
         """
         made = self.construction()
         made.check()
+        return self.stone_of(made, **facts)
+
+    def stone_of(self, made: Construction, **facts: Any) -> Stone:
+        """Make the stone of its meet points, as they are; `facts` are fields of `Stone`."""
         planes = made.planes
         return Stone(
             solid=ConvexSolid(planes=planes, facet=np.arange(len(planes)), is_round=self.IS_ROUND),

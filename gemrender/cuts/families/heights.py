@@ -22,7 +22,7 @@ def _crown_run(values: Mapping[str, Any]) -> Any:
 
 def _pavilion_run(values: Mapping[str, Any]) -> Any:
     """Level distance from the girdle to the culet, across the width [%]."""
-    return (100.0 - values["culet"]) / 2
+    return (100.0 - values.get("culet", 0.0)) / 2
 
 
 #: Angle of the crown across the width: crown height = (100 - table)/2 tan(angle) [% of the width].

@@ -6,12 +6,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, field, fields
 from typing import Any
 
-from gemrender.cuts.girdle_words import read_girdle
+from gemrender.cuts.girdle_words import read_culet, read_girdle
 from gemrender.cuts.round_brilliant.proportions import number_within
 from gemrender.errors import InputError
 from gemrender.mistakes import Mistakes
 
-__all__ = ["Alternative", "check_parameters", "choice", "girdle_thickness", "parameter", "unit_of"]
+__all__ = ["Alternative", "check_parameters", "choice", "culet", "girdle_thickness", "parameter", "unit_of"]
 
 #: Most numbers of a parameter that is a list.
 _MOST = 12
@@ -74,6 +74,11 @@ def choice(*allowed: Any, default: Any, why: str = "") -> Any:
 def girdle_thickness(default: float = 3.0, low: float = 0.0, high: float = 20.0) -> Any:
     """Return the field of a girdle's thickness: per cent of the width, or a laboratory's words."""
     return parameter(low, high, default=default, words=lambda text: read_girdle(text).thickness)
+
+
+def culet(low: float = 0.2, high: float = 20.0) -> Any:
+    """Return the field of a culet's width: 0 for none, per cent of the width, or a laboratory's words."""
+    return parameter(low, high, default=0.0, or_zero=True, words=read_culet)
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,10 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from gemrender.cuts.construction import Construction
 from gemrender.cuts.construction.outlines import pear
-from gemrender.cuts.families.elongated import ElongatedBrilliant, tips
+from gemrender.cuts.families.elongated import ElongatedBrilliant, shoulder_mark, tips, wing_marks
 from gemrender.cuts.families.parameters import parameter
+from gemrender.cuts.marks import Length, Mark, apex, usual_marks
 
 __all__ = ["FAMILY", "Parameters"]
 
@@ -20,7 +23,7 @@ class Parameters(ElongatedBrilliant):
     """A pear brilliant, its point at +y.
 
     Its parameters are those of `ElongatedBrilliant`, and some of outline, point and culet. Length to width:
-    1.50 to 1.75 is common (diamonds27.com, "Length to width ratio").
+    1.50 to 1.75 is common (diamonds27.com, "Length to width ratio"), 1.50 to 1.65 preferred (Adamas Studio).
 
     Parameters
     ----------
@@ -44,8 +47,8 @@ class Parameters(ElongatedBrilliant):
 
     length_to_width: float = parameter(1.1, 2.5, default=1.55, unit="")
     head: float = parameter(40.0, 60.0, default=50.0, why="half a circle")
-    shoulder: float = parameter(-6.0, 8.0, default=0.0, why="of half an ellipse")
-    wing: float = parameter(-8.0, 8.0, default=0.0, why="arcs of circles")
+    shoulder: float = parameter(-6.0, 8.0, default=2.5, why="as full as weights in the trade")
+    wing: float = parameter(-8.0, 8.0, default=4.0, why="as full as weights in the trade")
     tips: str = tips()
     culet_to_point: float = parameter(-5.0, 15.0, default=0.0, why="on the belly")
 
@@ -63,3 +66,21 @@ class Parameters(ElongatedBrilliant):
             culet_at=belly + values["culet_to_point"] / 50.0,
             french=(0,) if values["tips"] == "french" else (),
         )
+
+    def marks(self) -> tuple[Mark, ...]:
+        """Return what its drawing says at arrows."""
+        made = self.construction()
+        width = 2.0 / self.length_to_width
+        edge = made.points.real[made.rings["girdle_upper"]]
+        end, belly = edge[edge[:, 1].argmin()], edge[edge[:, 0].argmax()]
+        head = Length(name="head", view="crown", start=end, end=belly, axis=1, whole=width, parameter="head")
+        marks = [*usual_marks(made, ends=("head", "point")), *wing_marks(made), head]
+        height = float(belly[1] - end[1])
+        marks.append(shoulder_mark(made, width / 2, height, belly=float(belly[1]), below=True))
+        if self.culet_to_point:
+            marks.append(
+                Length(name="culet from the belly", view="pavilion", start=belly * np.array([0.0, 1.0, 1.0]),
+                       end=apex(made), axis=1, whole=2.0, per="length", is_inside=True,
+                       parameter="culet_to_point")
+            )  # fmt: skip
+        return tuple(marks)

@@ -8,12 +8,12 @@ from typing import Any
 
 from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.parameters import Alternative, unit_of
-from gemrender.cuts.laboratory import DEPTH_RANGE, ROUNDING, WORDS_TOLERANCE
+from gemrender.cuts.laboratory import DEPTH_RANGE, OWN, ROUNDING, WORDS_TOLERANCE, Assumed
 from gemrender.cuts.round_brilliant.proportions import number_within
 from gemrender.errors import InputError
 from gemrender.reading import did_you_mean
 
-__all__ = ["from_values", "stated_keys"]
+__all__ = ["from_values", "read_values", "stated_keys"]
 
 #: What the depth is the sum of, in the order in which it stands for one that is not stated.
 _PARTS = ("pavilion_depth", "crown_height", "girdle_thickness")
@@ -32,6 +32,12 @@ def stated_keys(kind: Any) -> tuple[str, ...]:
 
 
 def from_values(kind: Any, values: Mapping[str, Any]) -> tuple[Any, tuple[str, ...]]:
+    """Make the cut of a family from what a stone file says, as `read_values`; what was taken in words."""
+    cut, taken = read_values(kind, values)
+    return cut, tuple(map(str, taken))
+
+
+def read_values(kind: Any, values: Mapping[str, Any]) -> tuple[Any, tuple[Assumed, ...]]:
     """Make the cut of a family from what a stone file says.
 
     Of a height and an angle that stand for each other the angle counts, and the height must agree; the depth
@@ -46,7 +52,7 @@ def from_values(kind: Any, values: Mapping[str, Any]) -> tuple[Any, tuple[str, .
 
     Returns
     -------
-    (cut, tuple of str)
+    (cut, tuple of Assumed)
         The cut, and what was taken since the file does not say it.
 
     Raises
@@ -73,7 +79,7 @@ def from_values(kind: Any, values: Mapping[str, Any]) -> tuple[Any, tuple[str, .
             raise InputError(f"{name} and {key} are one thing; state only one of them", key=key)
         if name in parts:
             own[name] = value
-    taken: list[str] = []
+    taken: list[Assumed] = []
     words = own.get("girdle_thickness")
     cut = kind(**own)
     stated = set(own)
@@ -87,19 +93,14 @@ def from_values(kind: Any, values: Mapping[str, Any]) -> tuple[Any, tuple[str, .
         taken += [note] if note else []
         cut = kind(**own)
     if isinstance(words, str) and "girdle_thickness" in stated:
-        taken.insert(0, f"girdle {cut.girdle_thickness:.3g} of '{words}'")
-    taken += [
-        f"{_label(name)} {_text(getattr(cut, name))} ({part.metadata['why']})"
-        for name, part in parts.items()
-        if part.metadata["why"] and name not in own
-    ]
-    rest = [
-        f"{_label(name)} {_text(getattr(cut, name))}"
-        for name, part in parts.items()
-        if not part.metadata["why"] and name not in own
-    ]
-    if rest:
-        taken.append(f"{', '.join(rest)} (not stated: the family's own)")
+        taken.insert(0, Assumed("girdle", cut.girdle_thickness, f"of '{words}'"))
+    if isinstance(own.get("culet"), str):
+        taken.append(Assumed("culet", cut.culet, f"of '{own['culet']}'"))
+    open_parts = [(name, part) for name, part in parts.items() if name not in own]
+    # What reports leave open comes first: that is what one may want to set.
+    for name, part in sorted(open_parts, key=lambda item: not item[1].metadata["why"]):
+        why = part.metadata["why"]
+        taken.append(Assumed(_label(name), _text(getattr(cut, name)), f"({why})" if why else OWN))
     return cut, tuple(taken)
 
 
@@ -133,7 +134,7 @@ def _by_alternative(cut: Family, other: Alternative, values: Mapping[str, Any], 
 
 def _by_depth(
     cut: Family, depth: object, own: dict[str, Any], stated: set[str], words: object
-) -> tuple[dict[str, Any], str]:
+) -> tuple[dict[str, Any], Assumed | None]:
     """Fill in the part that is not stated by the total depth, or check that it agrees."""
     total = number_within("depth", depth, DEPTH_RANGE)
     known = {part: float(getattr(cut, part)) for part in _PARTS}
@@ -142,17 +143,19 @@ def _by_depth(
         rest = total - known["crown_height"] - known["pavilion_depth"]
         if abs(rest - known["girdle_thickness"]) <= WORDS_TOLERANCE and rest >= 0:
             stated.discard("girdle_thickness")
-            return own | {"girdle_thickness": rest}, f"girdle {rest:.3g} (depth less crown and pavilion)"
+            made = Assumed("girdle", rest, "(depth less crown and pavilion)")
+            return own | {"girdle_thickness": rest}, made
     if not open_parts:
-        made, allowed = sum(known.values()), ROUNDING["depth"] + 3 * ROUNDING["crown_height"]
-        if abs(made - total) > allowed:
+        total_made, allowed = sum(known.values()), ROUNDING["depth"] + 3 * ROUNDING["crown_height"]
+        if abs(total_made - total) > allowed:
             parts = " + ".join(f"{_label(part)} {value:.1f}" for part, value in known.items())
             raise InputError(
-                f"{parts} make {made:.1f} %; the rounding of a report allows a difference of {allowed:.2g} %",
+                f"{parts} make {total_made:.1f} %; the rounding of a report allows a difference of "
+                f"{allowed:.2g} %",
                 key="depth",
                 value=total,
             )
-        return own, ""
+        return own, None
     part = open_parts[0]
     rest = total - sum(value for name, value in known.items() if name != part)
     low, high = cut.__dataclass_fields__[part].metadata["range"]  # type: ignore[attr-defined]
@@ -164,7 +167,7 @@ def _by_depth(
             key="depth",
             value=total,
         )
-    return own | {part: rest}, f"{_label(part)} {rest:.3g} (depth less the other parts)"
+    return own | {part: rest}, Assumed(_label(part), rest, "(depth less the other parts)")
 
 
 def _label(name: str) -> str:

@@ -36,8 +36,8 @@ def draw_dimension(
 ) -> None:
     """Draw a dimension with extension lines: level at the height line[1], or upright at line[0].
 
-    Of an upright one the text is level, or `turned` along it. A text that `is_wide`, wider than its dimension,
-    stands beyond the ends of the extension lines.
+    Of an upright one the text is level, or `turned` along it. A text that `is_wide`, wider than its
+    dimension, stands beyond the ends of the extension lines.
     """
     axis = 0 if upright else 1
     across = 1 - axis
@@ -65,9 +65,12 @@ def draw_dimension(
     else:
         beyond = EXTENSION_BEYOND + 0.02 if is_wide else 0.035
         place, anchor = middle + np.array([0.0, beyond]), {"ha": "center", "va": "bottom"}
+    # Where other extension lines pass, they are broken.
+    ground = {"facecolor": PAPER.ground, "edgecolor": "none", "pad": 0.8}
     axes.text(
-        *place, text, fontsize=size, color=PAPER.accent, zorder=10, rotation=90 if turned else 0, **anchor
-    )
+        *place, text, fontsize=size, color=PAPER.accent, zorder=10, rotation=90 if turned else 0, bbox=ground,
+        **anchor,
+    )  # fmt: skip
 
 
 def draw_arrow(axes: Axes, tail: Sequence[float] | np.ndarray, tip: Sequence[float] | np.ndarray) -> None:

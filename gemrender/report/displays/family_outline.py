@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gemrender.cuts.families import families
 from gemrender.cuts.families.family import Family
-from gemrender.cuts.families.marks import VIEWS
 from gemrender.cuts.families.parameters import unit_of
+from gemrender.cuts.marks import VIEWS
 from gemrender.report.displays.marks import MarkedView
 from gemrender.report.displays.outline import draw_tiers
 from gemrender.report.displays.page import PAPER, Page, draw_lines, stone_extent
@@ -34,14 +33,14 @@ _CAPTIONS = {
 #: Room for a caption, and least width of a view [inch].
 _CAPTION, _LEAST = 0.35, 3.0
 #: Width of the tables, and height of a line of the parameters and of one of the tiers [inch].
-_TABLE, _LINE, _TIER = 3.9, 0.29, 0.26
+_TABLE, _LINE, _TIER = 4.5, 0.29, 0.26
 
 
 def family_outline_figure(stone: Stone) -> Figure:
     """Draw a cut of a family in four views to one scale, with its marks, its parameters and its tiers."""
     cut = stone.cut
     assert isinstance(cut, Family)
-    [name] = [name for name, kind in families().items() if type(cut) is kind]
+    name = cut.family()
     projections: dict[str, Projection] = {"crown": CROWN, "pavilion": PAVILION, "width": side()}
     if not stone.is_round:
         projections["length"] = side(90.0)
@@ -89,7 +88,8 @@ def family_outline_figure(stone: Stone) -> Figure:
             axes = page.view(x[column], y[row] + _CAPTION, *size, scale=SCALE, centre=centre)
             draw_lines(axes, look_at(stone, projections[view]), PAPER)
             views[view].draw(axes)
-            page.caption(x[column] + inch[0] - wide[column] / 2, y[row] + 0.1, wide[column], _CAPTIONS[view])
+            words = "Side view" if stone.is_round and view == "width" else _CAPTIONS[view]
+            page.caption(x[column] + inch[0] - wide[column] / 2, y[row] + 0.1, wide[column], words)
     if stone.is_round:
         tables.draw_parameters(page.axes(x[1], y[1], _TABLE, high[1]))
         tables.draw_tiers(page.axes(x[1] + _TABLE + 0.4, y[1], _TABLE, high[1]))
@@ -125,7 +125,15 @@ class _Tables:
         self._rows += [
             (_label(name), _valued(cut, name, float(value)), "") for name, value in cut.alternatives().items()
         ]
-        self._taken = [line for words in stone.assumed for line in textwrap.wrap(f"taken: {words}", 58)]
+        if stone.size_mm is not None:
+            low, high = stone.solid.vertices.min(axis=0), stone.solid.vertices.max(axis=0)
+            sides = (high - low) * stone.size_mm / 2.0
+            if stone.is_round:
+                sides[:2] = stone.size_mm
+            width, length = sorted(sides[:2].tolist())
+            self._rows.append(("size", f"{length:.2f} × {width:.2f} × {sides[2]:.2f} mm", ""))
+        taken = f"Taken: {'; '.join(stone.assumed)}." if stone.assumed else ""
+        self._taken = textwrap.wrap(taken, 72)
 
     @property
     def parameters(self) -> float:
@@ -135,17 +143,17 @@ class _Tables:
     @property
     def stacked(self) -> float:
         """Height of both tables, one above the other [inch]."""
-        return self.parameters + 0.75 + _TIER * len(self._tiers)
+        return self.parameters + 1.15 + _TIER * len(self._tiers)
 
     @property
     def side_by_side(self) -> float:
         """Height of both tables, side by side [inch]."""
-        return max(self.parameters, 0.75 + _TIER * len(self._tiers))
+        return max(self.parameters, 1.15 + _TIER * len(self._tiers))
 
     def draw_parameters(self, axes: Axes) -> None:
         width, height = axes.get_xlim()[1], axes.get_ylim()[1]
         y = height - 0.45
-        ends = (0.0, 0.75 * width, width)
+        ends = (0.0, 0.67 * width, width)
         axes.text(ends[0], y, "Parameters", fontsize=10.5, color=PAPER.soft)
         axes.text(ends[2], y, "default", fontsize=10.5, color=PAPER.soft, ha="right")
         for name, value, default in self._rows:

@@ -1,7 +1,8 @@
 """What the drawing of a cut says at its arrows, in one view: dimension lines, arcs, words.
 
-Lengths stand around the stone, the shorter ones nearer to it; all else is named in a column to its left, in
-the order of height, with a line to its place. So nothing lies on anything else, however long the stone is.
+Lengths stand around the stone, the shorter ones nearer to it; all else is named in a column to its left, or
+to its right where no lengths are, in the order of height, with a line to its place. So nothing lies on
+anything else, however long the stone is.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gemrender.cuts.families.marks import VIEWS, Angle, Length, Mark, Place, Share
+from gemrender.cuts.marks import VIEWS, Angle, Length, Mark, Place, Share, Tilt
 from gemrender.report.displays.dimension_lines import draw_arc, draw_dimension, draw_row
 from gemrender.report.displays.page import PAPER
 
@@ -53,25 +54,30 @@ class MarkedView:
         own = [mark for mark in marks if mark.view == view]
         self._axes_of_page, self._low, self._high, self._scale = VIEWS[view], low, high, scale
         self._is_profile = view in ("width", "length")
-        lengths = [mark for mark in own if isinstance(mark, Length)]
+        lengths = [mark for mark in own if isinstance(mark, Length) and not mark.is_inside]
         level = [mark for mark in lengths if self._axes_of_page[0][mark.axis]]
         upright = [mark for mark in lengths if not self._axes_of_page[0][mark.axis]]
         wide = high[0] - low[0] - _SAME
         self._below = [[mark] for mark in level if _length(self._span(mark)) > wide]
         self._above = self._in_rows([mark for mark in level if _length(self._span(mark)) <= wide])
         self._beside = self._in_rows(upright)
-        self._named = [mark for mark in own if not isinstance(mark, Length)]
+        named = [mark for mark in own if mark not in lengths]
+        middle = (low[0] + high[0]) / 2
+        self._on_right = [mark for mark in named if not upright and self._place(mark)[0] > middle + _SAME]
+        self._on_left = [mark for mark in named if mark not in self._on_right]
 
     # ---- Room, in inches ----
 
     @property
     def left(self) -> float:
         """Room to the left of the stone, for names."""
-        return _GAP + _widest([mark.text for mark in self._named]) if self._named else 0.2
+        return _GAP + _widest([mark.text for mark in self._on_left]) if self._on_left else 0.2
 
     @property
     def right(self) -> float:
-        """Room to the right of the stone, for upright lengths."""
+        """Room to the right of the stone, for upright lengths or names."""
+        if self._on_right:
+            return _GAP + _widest([mark.text for mark in self._on_right])
         if not self._beside:
             return 0.2
         return _FIRST + _NEXT * len(self._beside) + self._words
@@ -136,41 +142,55 @@ class MarkedView:
             )  # fmt: skip
 
     def _names(self, axes: Axes) -> None:
-        """Draw angles, shares and places, and write what they are to the left."""
-        ends = [self._drawn(axes, mark) for mark in self._named]
-        x = self._low[0] - _GAP / self._scale
-        for mark, end, y in zip(
-            self._named, ends, spread([float(end[1]) for end in ends], _STEP / self._scale), strict=True
+        """Draw angles, shares and places, and write what they are to the left or to the right."""
+        gap = _GAP / self._scale
+        for marks, x, way, side in (
+            (self._on_left, self._low[0] - gap, 1.0, "right"),
+            (self._on_right, self._high[0] + gap, -1.0, "left"),
         ):
-            line = np.array([[x + 0.05 / self._scale, y], [x + 0.15 / self._scale, y], end])
-            axes.plot(*line.T, color=PAPER.accent, linewidth=PAPER.thin_width, zorder=8)
-            axes.text(
-                x,
-                y,
-                mark.text,
-                fontsize=_SIZE,
-                color=PAPER.accent,
-                ha="right",
-                va="center_baseline",
-                zorder=10,
-            )
+            ends = [self._place(mark) for mark in marks]
+            places = spread([float(end[1]) for end in ends], _STEP / self._scale)
+            for mark, end, y in zip(marks, ends, places, strict=True):
+                self._draw_on_stone(axes, mark)
+                near, far = (x + way * inch / self._scale for inch in (0.05, 0.15))
+                line = np.array([[near, y], [far, y], end])
+                axes.plot(*line.T, color=PAPER.accent, linewidth=PAPER.thin_width, zorder=8)
+                axes.text(
+                    x,
+                    y,
+                    mark.text,
+                    fontsize=_SIZE,
+                    color=PAPER.accent,
+                    ha=side,
+                    va="center_baseline",
+                    zorder=10,
+                )
 
-    def _drawn(self, axes: Axes, mark: Mark) -> np.ndarray:
-        """Draw a mark on the stone; return where its line ends."""
+    def _place(self, mark: Mark) -> np.ndarray:
+        """Return where the line from a mark's name ends."""
+        if isinstance(mark, Angle):
+            return self._flat(mark.corner)
+        if isinstance(mark, Place | Tilt):
+            return self._flat(mark.at)
+        assert isinstance(mark, Share | Length)
+        start, end = self._flat(mark.start), self._flat(mark.end)
+        if isinstance(mark, Length):
+            return np.asarray((start + end) / 2)
+        return start if start[0] < end[0] else end
+
+    def _draw_on_stone(self, axes: Axes, mark: Mark) -> None:
         if isinstance(mark, Angle):
             corner, start, end = map(self._flat, (mark.corner, mark.start, mark.end))
             shorter = min(np.hypot(*(start - corner)), np.hypot(*(end - corner)))
             draw_arc(axes, corner, start, end, min(_RADIUS, _RADIUS_SHARE * shorter))
-            return corner
-        if isinstance(mark, Share):
+        elif isinstance(mark, Share):
             start, end, at = map(self._flat, (mark.start, mark.end, mark.at))
             way = end - start
             draw_row(axes, [start, start + way * ((at - start) @ way) / (way @ way), end])
-            return start if start[0] < end[0] else end
-        assert isinstance(mark, Place)
-        at = self._flat(mark.at)
-        axes.scatter(*at, s=11, color=PAPER.accent, zorder=8, linewidths=0)
-        return at
+        elif isinstance(mark, Length):
+            draw_row(axes, [self._flat(mark.start), self._flat(mark.end)])
+        else:
+            axes.scatter(*self._place(mark), s=11, color=PAPER.accent, zorder=8, linewidths=0)
 
     def _flat(self, point: np.ndarray) -> np.ndarray:
         return np.asarray(self._axes_of_page @ point)
@@ -185,14 +205,22 @@ class MarkedView:
         """Lay lengths in rows, the shorter ones first, in which none lies beside another."""
         rows: list[list[Length]] = []
         for mark in sorted(marks, key=lambda mark: _length(self._span(mark))):
-            low, high = self._span(mark)
+            low, high = self._room(mark)
             for row in rows:
-                if all(high <= a + _SAME or b <= low + _SAME for a, b in map(self._span, row)):
+                if all(high <= a + _SAME or b <= low + _SAME for a, b in map(self._room, row)):
                     row.append(mark)
                     break
             else:
                 rows.append([mark])
         return rows
+
+    def _room(self, mark: Length) -> tuple[float, float]:
+        """Return from where to where a length with its text reaches; that of heights stands beside them."""
+        low, high = self._span(mark)
+        more = (
+            0.0 if self._is_profile and mark.axis == 2 else _widest([mark.text]) / self._scale - (high - low)
+        )
+        return low - max(more, 0.0) / 2, high + max(more, 0.0) / 2
 
 
 def spread(wanted: Sequence[float], least: float) -> list[float]:

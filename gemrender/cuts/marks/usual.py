@@ -1,8 +1,4 @@
-"""What the drawing of a cut says at its arrows: lengths, angles, shares and names of places, at meet points.
-
-A family states them in its method `marks`: those of every cut are made by `usual_marks`, those of its own by
-the classes here. All are measured from the points, so that a drawing shows what the stone is.
-"""
+"""The marks of every cut: outline, table, heights, angles, culet, and the halves of brilliants."""
 
 from __future__ import annotations
 
@@ -13,166 +9,47 @@ from typing import Any
 import numpy as np
 
 from gemrender.cuts.construction import Construction
+from gemrender.cuts.marks.kinds import Length, Mark, Share, Tilt, slope
 from gemrender.stone.facets import CROWN, GIRDLE, PAVILION, side_of
 
-__all__ = ["VIEWS", "Angle", "Length", "Mark", "Place", "Share", "slope", "usual_marks"]
+__all__ = ["apex", "tilt", "usual_marks"]
 
-#: The views of a drawing, and which way their page's right and up point in the stone's frame: the crown from
-#: above, the pavilion from below, and from the side with the width or the length to the right.
-VIEWS: dict[str, np.ndarray] = {
-    "crown": np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]),
-    "pavilion": np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]),
-    "width": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]),
-    "length": np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]),
-}
 #: Points whose heights, or distances from the outline's box, differ by less are in one place: rounding.
 _SAME = 1e-9
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Mark:
-    """Something that a drawing says at an arrow.
-
-    Attributes
-    ----------
-    name : str
-        In a laboratory's words, such as "crown height".
-    view : str
-        The view it is drawn in, one of `VIEWS`.
-    parameter : str
-        The parameter or the alternative to one that it shows, where the family has it, or "depth"; "" for
-        none.
-    """
-
-    name: str
-    view: str
-    parameter: str = ""
-
-    @property
-    def value(self) -> float | None:
-        """What it measures, in the unit of the parameter; None of a place, which only has a name."""
-        return None
-
-    @property
-    def text(self) -> str:
-        """What is written at the arrow."""
-        return self.name
+def apex(made: Construction) -> np.ndarray:
+    """Return where the pavilion mains of a brilliant meet, (3,): the culet, or below it."""
+    mains = made.planes.real[[kind == "pavilion_main" for kind in made.kinds]]
+    return np.asarray(np.linalg.lstsq(mains[:, :3], mains[:, 3], rcond=None)[0])
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Length(Mark):
-    """A length along x, y or z, drawn as a dimension line beside the stone.
-
-    Attributes
-    ----------
-    start, end : (3,) float64
-        The points it is measured between.
-    axis : int
-        Along x (0, across the width), y (1, along the length) or z (2, a height).
-    whole : float
-        What is 100 % [stone's unit].
-    per : str
-        What that is: "width" or "length".
-    is_ratio : bool
-        Whether it is told as a number of wholes, not in per cent.
-    """
-
-    start: np.ndarray
-    end: np.ndarray
-    axis: int
-    whole: float
-    per: str = "width"
-    is_ratio: bool = False
-
-    @property
-    def value(self) -> float:
-        """The length [% of the whole], or how many wholes it is."""
-        length = float(abs(self.end[self.axis] - self.start[self.axis]))
-        return length / self.whole if self.is_ratio else 100.0 * length / self.whole
-
-    @property
-    def text(self) -> str:
-        """Name and value, as a laboratory rounds it."""
-        if self.is_ratio:
-            return f"{self.name} {self.value:.2f}"
-        return f"{self.name} {self.value:.1f} %{' of the length' if self.per == 'length' else ''}"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Angle(Mark):
-    """An angle at a corner, as it is seen in its view.
-
-    Attributes
-    ----------
-    corner, start, end : (3,) float64
-        The corner, and a point on either side; `slope` has level for one of them.
-    """
-
-    corner: np.ndarray
-    start: np.ndarray
-    end: np.ndarray
-
-    @property
-    def value(self) -> float:
-        """The angle [deg]."""
-        (a, b), (c, d) = (VIEWS[self.view] @ (point - self.corner) for point in (self.start, self.end))
-        return float(np.degrees(np.arctan2(abs(a * d - b * c), a * c + b * d)))
-
-    @property
-    def text(self) -> str:
-        """Name and value, as a laboratory rounds it."""
-        return f"{self.name} {self.value:.1f}°"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Share(Mark):
-    """How far along a way something reaches, drawn as arrows on the stone.
-
-    Attributes
-    ----------
-    start, end : (3,) float64
-        The way.
-    at : (3,) float64
-        Where it reaches to; it may lie beside the way.
-    """
-
-    start: np.ndarray
-    end: np.ndarray
-    at: np.ndarray
-
-    @property
-    def value(self) -> float:
-        """The share of the way as seen in the view [%]."""
-        way, reach = (VIEWS[self.view] @ (point - self.start) for point in (self.end, self.at))
-        return float(100.0 * (way @ reach) / (way @ way))
-
-    @property
-    def text(self) -> str:
-        """Name and value, as a laboratory rounds it."""
-        return f"{self.name} {self.value:.1f} %"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Place(Mark):
-    """The name of a place, such as the wing of a marquise.
-
-    Attributes
-    ----------
-    at : (3,) float64
-        The place.
-    """
-
-    at: np.ndarray
-
-
-def slope(name: str, view: str, corner: np.ndarray, end: np.ndarray, **more: Any) -> Angle:
-    """Return the angle to the level of a line from a corner, as it is seen in a view from the side."""
-    level = np.array([*end[:2], corner[2]])
-    return Angle(name=name, view=view, corner=corner, start=level, end=end, **more)
+def tilt(
+    made: Construction,
+    kind: str,
+    name: str,
+    view: str,
+    *,
+    towards: Sequence[float] = (-1.0, 0.5),
+    **more: Any,
+) -> Tilt:
+    """Return the angle of the facet of a kind that lies furthest towards a direction (x, y)."""
+    points = made.points.real
+    middles = {
+        number: points[list(ring)].mean(axis=0)
+        for number, ring in enumerate(made.corners)
+        if made.kinds[number] == kind
+    }
+    facet = max(middles, key=lambda number: float(middles[number][:2] @ towards))
+    return Tilt(name=name, view=view, at=middles[facet], normal=made.planes.real[facet, :3], **more)
 
 
 def usual_marks(
-    made: Construction, *, is_round: bool = False, without: Collection[str] = ()
+    made: Construction,
+    *,
+    is_round: bool = False,
+    ends: tuple[str, str] | None = None,
+    without: Collection[str] = (),
 ) -> tuple[Mark, ...]:
     """Return the marks that every cut has, by their names: outline, table, heights, angles, culet, halves.
 
@@ -182,11 +59,13 @@ def usual_marks(
         The meet points, with facets "table" and, where there is one, "culet".
     is_round : bool
         Whether the girdle is the cylinder of radius 1.
+    ends : tuple of str, optional
+        What the ends of the length at -y and at +y are called, where they differ, such as head and point.
     without : collection of str
         Names of marks that do not suit the cut, or that its family states itself.
     """
     body = _Body.of(made, is_round=is_round)
-    marks = [*_outline(body, is_round), *_profile(body, is_round), *_halves(made)]
+    marks = [*_outline(body, is_round), *_profile(body, is_round, ends), *_halves(made)]
     return tuple(mark for mark in marks if mark.name not in without)
 
 
@@ -216,6 +95,9 @@ class _Body:
         lower = on[PAVILION] & (on[GIRDLE] | on[CROWN])
         if is_round:
             upper, lower = (set(made.rings[f"girdle_{edge}"].tolist()) for edge in ("upper", "lower"))
+        if "upper_girdle" in made.kinds:  # of brilliants the places where the mains meet the girdle
+            upper = upper & _points_of(made, "bezel")
+            lower = lower & _points_of(made, "pavilion_main") or lower
         return cls(
             points=points,
             low=low,
@@ -228,12 +110,28 @@ class _Body:
         )
 
     @property
-    def width(self) -> float:
-        return float(self.high[0] - self.low[0])
+    def sides(self) -> np.ndarray:
+        """(2,): the sides of the outline's box, along x and y."""
+        return np.asarray((self.high - self.low)[:2])
 
     @property
-    def length(self) -> float:
-        return float(self.high[1] - self.low[1])
+    def across(self) -> int:
+        """The axis of the width, the shorter side: 0 for x, 1 for y."""
+        return int(self.sides[0] > self.sides[1] + _SAME)
+
+    @property
+    def width(self) -> float:
+        return float(self.sides.min())
+
+
+def _points_of(made: Construction, kind: str) -> set[int]:
+    """Return the points of all facets of a kind."""
+    return {
+        point
+        for other, corners in zip(made.kinds, made.corners, strict=True)
+        if other == kind
+        for point in corners
+    }
 
 
 def _facet(made: Construction, kind: str) -> np.ndarray:
@@ -263,31 +161,29 @@ def _outline(body: _Body, is_round: bool) -> list[Mark]:
             Length(name="diameter", view="crown", start=ends[0], end=ends[1], axis=0, whole=body.width)
         )
     else:
-        for axis, name, more in (
-            (0, "width", {}),
-            (1, "length-to-width", {"parameter": "length_to_width", "is_ratio": True}),
-        ):
-            first, last = _outermost(body.points, axis, (1, -1) if axis == 0 else (0, 1))
-            marks.append(
-                Length(name=name, view="crown", start=first, end=last, axis=axis, whole=body.width, **more)  # type: ignore[arg-type]
-            )
+        first, last = _outermost(body.points, 0, (1, -1))
+        name = "width" if body.across == 0 else "side"
+        marks.append(Length(name=name, view="crown", start=first, end=last, axis=0, whole=body.width))
+        first, last = _outermost(body.points, 1, (0, 1))
+        marks.append(
+            Length(name="length-to-width", view="crown", start=first, end=last, axis=1,
+                   whole=float(body.sides[0]), is_ratio=True, parameter="length_to_width")
+        )  # fmt: skip
     if len(body.table):
-        first, last = _outermost(body.table, 0, (1, 1))
-        words = "table" if is_round else "table width"
-        marks.append(
-            Length(name=words, view="crown", start=first, end=last, axis=0, whole=body.width,
-                   parameter="table")
-        )  # fmt: skip
-    if len(body.table) and not is_round:
-        first, last = _outermost(body.table, 1, (0, 1))
-        marks.append(
-            Length(name="table length", view="crown", start=first, end=last, axis=1, whole=body.length,
-                   per="length", parameter="table_length")
-        )  # fmt: skip
+        for axis in (0,) if is_round else (0, 1):
+            first, last = _outermost(body.table, axis, (1 - axis, 1))
+            is_width = axis == body.across
+            words = "table" if is_round else f"table {'width' if is_width else 'length'}"
+            marks.append(
+                Length(name=words, view="crown", start=first, end=last, axis=axis,
+                       whole=body.width if is_width else float(body.sides.max()),
+                       per="width" if is_width else "length",
+                       parameter="table" if is_width else "table_length")
+            )  # fmt: skip
     return marks
 
 
-def _profile(body: _Body, is_round: bool) -> list[Mark]:
+def _profile(body: _Body, is_round: bool, ends: tuple[str, str] | None) -> list[Mark]:
     """Heights, and the angles of crown and pavilion as seen from the side: of the width, and at the ends."""
     middle = (body.low + body.high) / 2
     top = _outermost(body.points[body.points[:, 2] >= body.high[2] - _SAME], 0, (0, 1))[1]
@@ -308,9 +204,13 @@ def _profile(body: _Body, is_round: bool) -> list[Mark]:
             Length(name="culet", view="pavilion", start=first, end=last, axis=0, whole=body.width,
                    parameter="culet")
         )  # fmt: skip
-    for axis, view, where in ((0, "width", ""), (1, "length", " at the ends")):
-        if axis == 1 and is_round:
-            continue
+    corners: list[tuple[str, int, int, str]] = [("width", 0, 0, "")]  # view, axis, which end of it, where
+    if not is_round:
+        whiches = (
+            [(0, " at the ends")] if ends is None else [(k, f" at the {end}") for k, end in enumerate(ends)]
+        )
+        corners += [("length", 1, which, where) for which, where in whiches]
+    for view, axis, which, where in corners:
         for part, edge, inner in (
             ("crown", body.girdle_top, body.table),
             ("pavilion", body.girdle_bottom, body.bottom),
@@ -318,13 +218,10 @@ def _profile(body: _Body, is_round: bool) -> list[Mark]:
             if not len(inner):
                 continue
             corner = middle.copy()
-            corner[axis], corner[2] = body.low[axis], edge
+            corner[axis], corner[2] = (body.low, body.high)[which][axis], edge
+            end = _outermost(inner, axis, (axis, 1))[which]
             key = f"{part}_angle" if axis == 0 else ""
-            marks.append(
-                slope(
-                    f"{part} angle{where}", view, corner, _outermost(inner, axis, (axis, 1))[0], parameter=key
-                )
-            )
+            marks.append(slope(f"{part} angle{where}", view, corner, end, parameter=key))
     return marks
 
 
@@ -335,9 +232,9 @@ def _halves(made: Construction) -> list[Mark]:
         kind: [c for k, c in zip(made.kinds, made.corners, strict=True) if k == kind] for kind in made.kinds
     }
     if "star" in of_kind and "upper_girdle" in of_kind:
-        # The star on the left, next to the end of the length.
+        # The star on the left, next to the end of the length; at a French tip it has a corner more.
         star = min(
-            of_kind["star"],
+            (ring for ring in of_kind["star"] if len(ring) == 3),
             key=lambda ring: (points[list(ring), 0].mean() > 0, -points[list(ring), 1].mean()),
         )
         [tip] = set(star) - set(of_kind["table"][0])
@@ -350,11 +247,9 @@ def _halves(made: Construction) -> list[Mark]:
     if "lower_girdle" in of_kind and "contact" in made.rings and "pavilion_main" in of_kind:
         contact = max(made.rings["contact"].tolist(), key=lambda c: (points[c, 0] < -_SAME, -points[c, 1]))
         feet = _feet([ring for ring in of_kind["lower_girdle"] if contact in ring], contact)
-        mains = made.planes.real[[kind == "pavilion_main" for kind in made.kinds]]
-        apex = np.linalg.lstsq(mains[:, :3], mains[:, 3], rcond=None)[0]
         marks.append(
             Share(name="lower-half length", view="pavilion", parameter="lower_half",
-                  start=_middle(points, feet), end=apex, at=points[contact])
+                  start=_middle(points, feet), end=apex(made), at=points[contact])
         )  # fmt: skip
     return marks
 

@@ -1,0 +1,233 @@
+"""Goals: what of a stone should be large, as an expression over its measures; parsed, never run as Python.
+
+::
+
+    iso - 0.5*leak                  values of measures; `measure.key`, a measure's first value, or a key alone
+    min(iso, 90)                    min, max, abs
+    worst(inoue, 15)                the least over tilts up to 15 degrees; `mean`: their mean
+    iso - 2*spread(iso)             `spread`: standard deviation under what is not known of the stone
+    iso + 10*volume                 volume of the stone [half length cubed]
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+import operator
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from gemrender.errors import InputError
+from gemrender.measures import Measure, measures
+from gemrender.reading import did_you_mean
+
+__all__ = ["Goal", "Pose", "Scorer", "tilts_of_cone"]
+
+#: Tilt and azimuth of the eye [deg].
+Pose = tuple[float, float]
+#: From a draw of the stone (0 is the stone itself) and a pose, the values of the goal's measures by name.
+Scorer = Callable[[int, Pose], Mapping[str, float]]
+
+_FACE_UP: Pose = (0.0, 0.0)
+_OPERATORS: dict[type, Callable[[Any, Any], Any]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: operator.pow,
+}
+_SIMPLE = {"min": min, "max": max, "abs": abs}
+_OVER_TILTS: dict[str, Callable[[Any], Any]] = {"mean": np.mean, "worst": np.min}
+#: Longest goal [characters], and how deep it may be nested.
+_LONGEST, _DEEPEST = 500, 20
+#: Largest tilt [deg].
+_MOST_TILT = 60.0
+#: Azimuths of the tilts of a cone, at its edge and half-way.
+_AZIMUTHS = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Goal:
+    """A goal.
+
+    Parameters
+    ----------
+    text : str
+        As it was written.
+    measures : tuple of Measure
+        The measures that it is made of.
+    has_spread : bool
+        Whether it needs draws of what is not known.
+    tree : ast.expr
+        The expression, checked.
+    """
+
+    text: str
+    measures: tuple[Measure, ...]
+    has_spread: bool
+    tree: ast.expr
+
+    @classmethod
+    def parse(cls, text: str) -> Goal:
+        """Read a goal.
+
+        Raises
+        ------
+        InputError
+            It is no expression of this kind, or names no measure.
+        """
+        if len(text) > _LONGEST:
+            raise InputError(f"must have at most {_LONGEST} characters", key="goal", value=text)
+        try:
+            tree = ast.parse(text.strip(), mode="eval").body
+        except (SyntaxError, ValueError, RecursionError, MemoryError):
+            raise InputError("must be an expression such as iso - 0.5*leak", key="goal", value=text) from None
+        found: dict[str, Measure] = {}
+        spreads: list[bool] = []
+        try:
+            _check(tree, found, spreads, 0)
+        except InputError as error:
+            raise InputError(error.allowed, key="goal", value=text) from None
+        if not found and "volume" not in text:
+            raise InputError(f"names no measure; there are {_listed()}", key="goal", value=text)
+        return cls(text.strip(), tuple(found.values()), bool(spreads), tree)
+
+    def value(self, scorer: Scorer, draws: int = 0) -> float:
+        """Return the goal of a stone.
+
+        Parameters
+        ----------
+        scorer : callable
+            What tells the measures of the stone, and of its draws 1 to `draws`; values are called
+            "measure.key", and "volume".
+        draws : int
+            Number of draws that `spread` is taken over.
+        """
+        value = _value(self.tree, scorer, 0, _FACE_UP, draws)
+        return float(value) if math.isfinite(value) else -math.inf
+
+
+def tilts_of_cone(most_deg: float) -> tuple[Pose, ...]:
+    """Return the tilts that stand for a cone: none, half of it and all of it, to eight sides [deg]."""
+    turns = [360.0 * number / _AZIMUTHS for number in range(_AZIMUTHS)]
+    return (_FACE_UP, *((share * most_deg, turn) for share in (0.5, 1.0) for turn in turns))
+
+
+def _names() -> dict[str, str]:
+    """Return the values that goals may name: as written, and as "measure.key"."""
+    names: dict[str, str] = {}
+    keys: dict[str, list[str]] = {}
+    for of in measures():
+        name = of.name.replace("-", "_")
+        if of.views != "one" or not of.keys:
+            continue
+        names[name] = f"{of.name}.{of.keys[0]}"
+        for key in of.keys:
+            names[f"{name}.{key}"] = f"{of.name}.{key}"
+            keys.setdefault(key, []).append(f"{of.name}.{key}")
+    # A key alone, where one measure has it and it is no measure's name.
+    return {key: own[0] for key, own in keys.items() if len(own) == 1 and key not in names} | names
+
+
+def _listed() -> str:
+    """Return the measures for a message; their keys are in `gemrender measures`."""
+    names = [name for name in _names() if "." not in name]
+    own = [name for name in names if any(other.startswith(f"{name}.") for other in _names())]
+    return f"{', '.join(own)} and their values, as aset.leak or leak (see: gemrender measures), and volume"
+
+
+def _check(node: ast.AST, found: dict[str, Measure], spreads: list[bool], depth: int) -> None:
+    """Refuse what is no part of a goal; gather its measures."""
+    if depth > _DEEPEST:
+        raise InputError("is nested too deeply")
+    if isinstance(node, ast.Constant):
+        if (
+            isinstance(node.value, bool)
+            or not isinstance(node.value, (int, float))
+            or not abs(node.value) < 1e9
+        ):
+            raise InputError("must have numbers below 1e9 only")
+    elif isinstance(node, ast.BinOp) and type(node.op) in _OPERATORS:
+        if isinstance(node.op, ast.Pow) and not isinstance(node.right, ast.Constant):
+            raise InputError("must have a number as an exponent")
+        _check(node.left, found, spreads, depth + 1)
+        _check(node.right, found, spreads, depth + 1)
+    elif isinstance(node, ast.UnaryOp) and isinstance(node.op, (ast.USub, ast.UAdd)):
+        _check(node.operand, found, spreads, depth + 1)
+    elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and not node.keywords:
+        _check_call(node, found, spreads, depth)
+    elif isinstance(node, (ast.Name, ast.Attribute)):
+        written = ast.unparse(node)
+        if written == "volume":
+            return
+        names = _names()
+        if written not in names:
+            raise InputError(
+                f"{written} is no value of a measure; there are {_listed()}"
+                f"{did_you_mean(written, list(names))}"
+            )
+        name = names[written].rsplit(".", 1)[0]
+        found.setdefault(name, next(of for of in measures() if of.name == name))
+    else:
+        raise InputError(
+            "must be made of measures, numbers, + - * / **, min, max, abs, mean, worst and spread"
+        )
+
+
+def _check_call(node: ast.Call, found: dict[str, Measure], spreads: list[bool], depth: int) -> None:
+    assert isinstance(node.func, ast.Name)
+    name, arguments = node.func.id, node.args
+    if name in _SIMPLE:
+        if len(arguments) < (1 if name == "abs" else 2):
+            raise InputError(f"{name} needs {'a value' if name == 'abs' else 'two values or more'}")
+        for argument in arguments:
+            _check(argument, found, spreads, depth + 1)
+    elif name in _OVER_TILTS:
+        tilt = arguments[1].value if len(arguments) == 2 and isinstance(arguments[1], ast.Constant) else None
+        if not isinstance(tilt, (int, float)) or not 0 < tilt <= _MOST_TILT:
+            raise InputError(
+                f"{name} needs a value and a tilt of up to {_MOST_TILT:g} degrees, as {name}(iso, 15)"
+            )
+        _check(arguments[0], found, spreads, depth + 1)
+    elif name == "spread":
+        if len(arguments) != 1:
+            raise InputError("spread needs one value, as spread(iso)")
+        if depth and spreads and spreads[-1]:
+            raise InputError("spread cannot be taken of a spread")
+        spreads.append(True)
+        _check(arguments[0], found, spreads, depth + 1)
+        spreads[-1] = False
+    else:
+        allowed = [*_SIMPLE, *_OVER_TILTS, "spread"]
+        raise InputError(f"{name} is unknown; there are {', '.join(allowed)}{did_you_mean(name, allowed)}")
+
+
+def _value(node: ast.AST, scorer: Scorer, drawn: int, pose: Pose, draws: int) -> float:
+    if isinstance(node, ast.Constant):
+        return float(node.value)  # type: ignore[arg-type]
+    if isinstance(node, ast.BinOp):
+        left, right = (_value(part, scorer, drawn, pose, draws) for part in (node.left, node.right))
+        try:
+            found = _OPERATORS[type(node.op)](left, right)
+        except (ZeroDivisionError, OverflowError):
+            return math.nan
+        return math.nan if isinstance(found, complex) else float(found)
+    if isinstance(node, ast.UnaryOp):
+        value = _value(node.operand, scorer, drawn, pose, draws)
+        return -value if isinstance(node.op, ast.USub) else value
+    if isinstance(node, ast.Call):
+        assert isinstance(node.func, ast.Name)
+        name, arguments = node.func.id, node.args
+        if name in _SIMPLE:
+            return float(_SIMPLE[name](*(_value(part, scorer, drawn, pose, draws) for part in arguments)))  # type: ignore[operator]
+        if name in _OVER_TILTS:
+            assert isinstance(arguments[1], ast.Constant)
+            poses = tilts_of_cone(float(arguments[1].value))  # type: ignore[arg-type]
+            return float(_OVER_TILTS[name]([_value(arguments[0], scorer, drawn, at, draws) for at in poses]))
+        values = [_value(arguments[0], scorer, number, pose, draws) for number in range(1, draws + 1)]
+        return float(np.std(values, ddof=1)) if len(values) > 1 else 0.0
+    written = ast.unparse(node)
+    return float(scorer(drawn, pose)[written if written == "volume" else _names()[written]])
