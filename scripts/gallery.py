@@ -1,6 +1,6 @@
 """Render the gallery of the README: each picture by its name, or all of them.
 
-    python scripts/gallery.py                                  # all, into docs/gallery: about 30 minutes
+    python scripts/gallery.py                                  # all, into docs/gallery: about 45 minutes
     python scripts/gallery.py ruby sapphire --out /tmp/gallery --size 320 --samples 32
     python scripts/gallery.py viewers                          # a sheet of stones in gem viewers
     python scripts/gallery.py turntable                        # the film, and a small moving picture of it
@@ -77,6 +77,12 @@ SHOTS = {
     "emerald": Shot(setup="studio", stones=(f"{DESIGNS}/emerald.asc",), material="quartz"),
     "pear": Shot(setup="velvet", stones=(f"{DESIGNS}/pear.asc",), material="quartz"),
     "checkerboard": Shot(setup="studio", stones=(f"{DESIGNS}/checkerboard-round.asc",), material="spinel"),
+    "oval-bow-tie": Shot(setup="arrows", stones=("oval-bow-tie",), curve="linear"),
+    "emerald-market": Shot(setup="arrows", stones=("emerald-market",), curve="linear"),
+    "asscher-ideal": Shot(setup="arrows", stones=("asscher-ideal",), curve="linear"),
+    "pear-bow-tie": Shot(setup="arrows", stones=("pear-bow-tie",), curve="linear"),
+    "princess-excellent": Shot(setup="studio", stones=("princess-excellent",)),
+    "radiant-classic": Shot(setup="studio", stones=("radiant-classic",)),
 }
 #: What the sheet shows: set-ups of gem viewers, from left to right, and stones with materials, downwards.
 VIEWERS = ("aset", "ideal-scope", "arrows", "hearts")
@@ -113,7 +119,8 @@ def main() -> None:
             else render_shot(SHOTS[name], arguments.size)
         )
         file = arguments.out / f"{name}.{'png' if arguments.png else 'jpg'}"
-        quality = 85 if name == "viewers" else 93  # a sheet of many edges
+        edges = name == "viewers" or SHOTS[name].setup == "arrows"  # many, which take room
+        quality = 85 if edges else 93
         options = {"optimize": True} if arguments.png else {"quality": quality, "subsampling": 0}
         Image.fromarray(rgb).save(file, **options)
         print(name, flush=True)
