@@ -99,7 +99,7 @@ def improve(
     from gemrender.report.improve import improvement_records, improvement_table, improvement_values
     from gemrender.sweep.goals import Goal
     from gemrender.sweep.improve import improve as search
-    from gemrender.sweep.improve import ranges_of
+    from gemrender.sweep.ranges import ranges_of
     from gemrender.sweep.unknown import Cutting
 
     form = table.chosen

@@ -17,7 +17,8 @@ from gemrender.cuts.families import families
 from gemrender.cuts.stone_file import stone_file_text
 from gemrender.errors import InputError
 from gemrender.sweep.goals import Goal, tilts_of_cone
-from gemrender.sweep.improve import improve, ranges_of
+from gemrender.sweep.improve import improve
+from gemrender.sweep.ranges import ranges_of
 from gemrender.sweep.unknown import Cutting, draw
 
 STONE = load_stone("gia-excellent")

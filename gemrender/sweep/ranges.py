@@ -1,0 +1,129 @@
+"""Parameters that are varied for a goal: how far, and in which steps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields
+
+from gemrender.cuts.families.family import Family
+from gemrender.cuts.families.parameters import unit_of
+from gemrender.cuts.round_brilliant.proportions import ANGLE_RANGES, RANGES
+from gemrender.errors import InputError
+from gemrender.reading import did_you_mean
+from gemrender.stone import Stone
+from gemrender.sweep.unknown import figures_of
+
+__all__ = ["Range", "ranges_of"]
+
+#: Step of each parameter that is varied unless another is asked for [deg, %, or of a ratio]: what can be cut.
+STEPS = {"angle": 0.1, "": 0.01, "%": 0.5}
+#: How far a parameter is varied to either side unless a range is given [deg, %, or of a ratio].
+REACH = {"angle": 3.0, "": 0.2, "%": 5.0}
+
+
+@dataclass(frozen=True, slots=True)
+class Range:
+    """A parameter that is varied.
+
+    Parameters
+    ----------
+    name : str
+        Its name.
+    low, high, step : float
+        Its least and largest value, and the step between.
+    """
+
+    name: str
+    low: float
+    high: float
+    step: float
+
+    @property
+    def count(self) -> int:
+        """Number of values."""
+        return math.floor((self.high - self.low) / self.step + 1e-9) + 1
+
+    def at(self, place: int) -> float:
+        """Return a value by its place, from 0; in decimals, as it is written."""
+        return float(f"{self.low + place * self.step:.10g}")
+
+
+def ranges_of(
+    stone: Stone, chosen: Iterable[str], kept: Mapping[str, tuple[float, float]] | None = None
+) -> tuple[Range, ...]:
+    """Return the ranges of parameters that are varied: as "crown_angle", "table=54:58" or "table=54:58:0.5".
+
+    Parameters
+    ----------
+    stone : Stone
+        A stone that was made from proportions, or of a family.
+    chosen : iterable of str
+        The parameters.
+    kept : mapping, optional
+        Ranges of parameters without one of their own.
+
+    Raises
+    ------
+    InputError
+        A stone without parameters, a parameter that it has not, or a range that is none.
+    """
+    known = figures_of(stone)
+    ranges: dict[str, Range] = {}
+    for text in chosen:
+        name, _, limits = (part.strip() for part in text.partition("="))
+        name = name.replace("-", "_").lower()
+        if name not in known:
+            raise InputError(
+                f"unknown parameter; must be one of {', '.join(known)}{did_you_mean(name, list(known))}",
+                key="vary",
+                value=name,
+            )
+        if name in ranges:
+            raise InputError("is varied twice", key="vary", value=name)
+        unit = _unit(stone, name)
+        low, high = (kept or {}).get(name, (known[name] - REACH[unit], known[name] + REACH[unit]))
+        step = STEPS[unit]
+        if limits:
+            cells = limits.split(":")
+            try:
+                numbers = [float(cell) for cell in cells]
+            except ValueError:
+                numbers = []
+            if len(numbers) not in (2, 3) or not all(map(math.isfinite, numbers)):
+                raise InputError(f"must be {name}=LOW:HIGH or {name}=LOW:HIGH:STEP", key="vary", value=text)
+            low, high, *rest = numbers
+            step = rest[0] if rest else step
+        least, most = _allowed(stone, name)
+        low, high = max(low, least), min(high, most)
+        if not low < high or not step > 0 or (high - low) / step > 1e6:
+            raise InputError(
+                f"must have a range within {least:g} to {most:g} and a step above 0", key="vary", value=text
+            )
+        # On whole steps, as a cutter counts them.
+        low = math.ceil(low / step - 1e-9) * step
+        ranges[name] = Range(name, low, high, step)
+    if not ranges:
+        raise InputError("names no parameter to vary", key="vary")
+    return tuple(ranges.values())
+
+
+def _unit(stone: Stone, name: str) -> str:
+    if name.endswith("angle"):
+        return "angle"
+    if isinstance(stone.cut, Family):
+        unit = unit_of(stone.cut, name)
+        return "angle" if unit == "deg" else unit
+    return "%"
+
+
+def _allowed(stone: Stone, name: str) -> tuple[float, float]:
+    if isinstance(stone.cut, Family):
+        parts = {part.name: part for part in fields(stone.cut)}  # type: ignore[arg-type]
+        if name in parts:
+            low, high = parts[name].metadata["range"]
+        else:
+            other = next(other for other in stone.cut.ALTERNATIVES if other.name == name)
+            low, high = other.low, other.high
+        return float(low), float(high)
+    return (RANGES | ANGLE_RANGES)[name]
