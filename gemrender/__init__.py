@@ -35,6 +35,7 @@ if TYPE_CHECKING:
         stone_from_vertices,
         vary,
     )
+    from gemrender.cuts.families import families
     from gemrender.mapping import measure_maps
     from gemrender.measures import Measure
     from gemrender.measures.maps import MeasureMaps
@@ -43,27 +44,35 @@ if TYPE_CHECKING:
     from gemrender.render.backend import mitsuba
     from gemrender.stereo import StereoScore, score_stereo
     from gemrender.stone import Stone
+    from gemrender.sweep.improve import improve
+    from gemrender.sweep.tolerance import study_tolerance
+    from gemrender.sweep.unknown import Cutting, Measuring, Rounding
 
 __version__ = "0.1.0"
 
 __all__ = [
     "BackendError",
+    "Cutting",
     "GemrenderError",
     "GemrenderWarning",
     "InputError",
     "Measure",
     "MeasureMaps",
+    "Measuring",
     "Model",
     "Observation",
     "Paths",
     "RayStatus",
     "RoundBrilliant",
+    "Rounding",
     "Score",
     "StereoScore",
     "Stone",
     "View",
     "VirtualFacets",
     "bundled_stones",
+    "families",
+    "improve",
     "load_stone",
     "load_stones",
     "measure_maps",
@@ -74,6 +83,7 @@ __all__ = [
     "score_stereo",
     "sensitivity",
     "stone_from_vertices",
+    "study_tolerance",
     "trace_facets",
     "trace_paths",
     "vary",
@@ -99,6 +109,12 @@ _ON_DEMAND = {
     "vary": "gemrender.cuts",
     "StereoScore": "gemrender.stereo",
     "score_stereo": "gemrender.stereo",
+    "Cutting": "gemrender.sweep.unknown",
+    "Measuring": "gemrender.sweep.unknown",
+    "Rounding": "gemrender.sweep.unknown",
+    "families": "gemrender.cuts.families",
+    "improve": "gemrender.sweep.improve",
+    "study_tolerance": "gemrender.sweep.tolerance",
     "VirtualFacets": "gemrender.beam",
     "sensitivity": "gemrender.beam.sensitivity",
     "trace_facets": "gemrender.beam",

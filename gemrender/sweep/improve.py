@@ -27,7 +27,7 @@ from gemrender.journal import Journal
 from gemrender.reading import did_you_mean
 from gemrender.stone import Stone
 from gemrender.sweep.goals import Goal, Pose
-from gemrender.sweep.ranges import Range
+from gemrender.sweep.ranges import Range, ranges_of
 from gemrender.sweep.tilt import solid_digest
 from gemrender.sweep.unknown import Rounding, Unknown, draw, figures_of
 
@@ -88,7 +88,7 @@ class Improvement:
 def improve(
     stone: Stone,
     goal: Goal | str,
-    vary_by: Sequence[Range],
+    vary_by: Sequence[Range | str],
     *,
     keep: Mapping[str, tuple[float, float]] | None = None,
     unknown: Unknown | None = None,
@@ -110,8 +110,9 @@ def improve(
         Where the search begins: a stone that was made from proportions, or of a family.
     goal : Goal or str
         The goal; see `gemrender.sweep.goals`.
-    vary_by : sequence of Range
-        The parameters that are varied; see `gemrender.sweep.ranges.ranges_of`.
+    vary_by : sequence of Range or str
+        The parameters that are varied: as "crown_angle" or "pavilion_angle=40:42:0.1"
+        (`gemrender.sweep.ranges.ranges_of`), or ranges.
     keep : mapping of str to pair of float, optional
         Ranges that other figures of the stone must stay within, such as crown_height.
     unknown : Unknown, optional
@@ -151,6 +152,11 @@ def improve(
         if not low <= value <= high:
             raise InputError(f"must be from {low:g} to {high:g}", key=key, value=value)
     known = figures_of(stone)
+    by_text = [text for text in vary_by if isinstance(text, str)]
+    ranges = (
+        *(by for by in vary_by if not isinstance(by, str)),
+        *(ranges_of(stone, by_text, keep) if by_text else ()),
+    )
     for key in keep or {}:
         if key not in known:
             raise InputError(
@@ -159,9 +165,7 @@ def improve(
             )  # fmt: skip
     traced = {"bound": DEFAULT_SEARCH_BOUND, **(options or {}), "engine": "exact"}
     require_engine("exact", stones=[stone])  # its first kernel must not be called by two threads at once
-    search = _Search(
-        stone, aim, tuple(vary_by), dict(keep or {}), unknown, draws, seed, check_head(head), traced
-    )
+    search = _Search(stone, aim, ranges, dict(keep or {}), unknown, draws, seed, check_head(head), traced)
     with contextlib.ExitStack() as stack:
         if journal is not None:
             kept = stack.enter_context(Journal(journal, search.first_line(), search.entry, work="search"))
@@ -169,7 +173,7 @@ def improve(
             search.journal = kept
         pool = stack.enter_context(ThreadPoolExecutor(threads or os.cpu_count() or 1))
         search.map = pool.map
-        sizes = np.array([by.count for by in vary_by])
+        sizes = np.array([by.count for by in ranges])
         size = min(60, max(16, 8 * len(sizes)))
         generations = 0
 
@@ -200,7 +204,7 @@ def improve(
             if not any(search.alike(best, other) for other in found):
                 found.append(best)
         found.sort(key=lambda places: -search.known[places])
-        own = {by.name: known[by.name] for by in vary_by}
+        own = {by.name: known[by.name] for by in ranges}
         return Improvement(
             goal=aim,
             start=Answer(values=own, goal=search.goal_of(stone), stone=stone),

@@ -20,7 +20,7 @@ from gemrender.stone import Stone
 from gemrender.sweep.spreading import FEW, limit_threads, spread
 from gemrender.sweep.symmetry import MOST_DRAWS
 from gemrender.sweep.tilt import solid_digest
-from gemrender.sweep.unknown import Unknown, draw
+from gemrender.sweep.unknown import Rounding, Unknown, draw
 from gemrender.sweep.workers import LostProcessError
 
 __all__ = ["Spread", "ToleranceStudy", "study_tolerance"]
@@ -130,7 +130,7 @@ class ToleranceStudy:
 
 def study_tolerance(
     stone: Stone,
-    unknown: Unknown,
+    unknown: Unknown | None = None,
     *,
     measures: str | Measure | Iterable[str | Measure] = "inoue",
     draws: int = 200,
@@ -147,8 +147,8 @@ def study_tolerance(
     ----------
     stone : Stone
         The stone as it is stated.
-    unknown : Unknown
-        What is not known of it: `Rounding`, `Cutting` or `Measuring`.
+    unknown : Unknown, optional
+        What is not known of it: `Rounding`, `Cutting` or `Measuring`; by default a report's rounding.
     measures : str, Measure, or iterable of them
         What to measure, as `chosen_measures` takes them.
     draws, seed : int
@@ -175,6 +175,7 @@ def study_tolerance(
     for key, value, low, high in (("draws", draws, 1, MOST_DRAWS), ("seed", seed, 0, 2**63 - 1)):
         if not low <= value <= high:
             raise InputError(f"must be from {low:g} to {high:g}", key=key, value=value)
+    unknown = unknown or Rounding.of(stone)
     unknown.check(stone)
     chosen = chosen_measures(measures)
     options = {"bound": DEFAULT_TOLERANCE_BOUND, "resolution": 256, **(options or {})}
