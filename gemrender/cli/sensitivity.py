@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Annotated
 
 import typer
@@ -29,6 +30,8 @@ __all__ = ["sensitivity"]
 
 #: Wanted error bound of a derivative [% per unit].
 _DEFAULT_BOUND = 0.2
+#: Share of the time that derivatives take where cliffs are looked for too.
+_FIRST = 0.4
 
 
 @command
@@ -107,9 +110,10 @@ def sensitivity(
         for i, (stone, stem) in enumerate(zip(loaded.stones, file_stems(loaded.names), strict=True)):
             at, rules = view_and_model(stone, options)
             progress = step(i, stone.name)
+            first = _part(progress, 0.0, _FIRST if cliffs else 1.0)
             found.append(
                 differentiate(
-                    stone, view=at, model=rules, bound=wanted, progress=progress, measures=measures, head=head
+                    stone, view=at, model=rules, bound=wanted, progress=first, measures=measures, head=head
                 )
             )
             if cliffs:
@@ -122,7 +126,7 @@ def sensitivity(
                         head=head,
                         reach=reach,
                         threshold=threshold,
-                        progress=progress,
+                        progress=_part(progress, _FIRST, 1.0),
                     )
                 )
             if folder is not None:
@@ -144,3 +148,8 @@ def sensitivity(
             for record in sensitivity_records(s, near[i] if cliffs else None)
         ],
     )
+
+
+def _part(progress: Callable[[float], None], first: float, last: float) -> Callable[[float], None]:
+    """Return what tells the progress of a part of the work, between two shares of it."""
+    return lambda share: progress(first + (last - first) * share)
