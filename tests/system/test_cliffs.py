@@ -86,7 +86,7 @@ def brilliant(pavilion):
 def test_the_leak_of_a_round_brilliant():
     """Between pavilions of 41.15 and 41.25 deg principal light that leaks down goes from 4.5 to 11.4 %.
 
-    Those figures are another's, of a girdle of about 3 %. Of this stone the reference tracer has 4.9 and 12.3:
+    Those figures are another's, of a girdle of about 3 %. Of this stone the reference tracer has 4.9, 12.3:
     within a per cent, and most of it is one jump, as scores on both sides of it say.
     """
     _, above = cliffs_of(brilliant(41.15), "pavilion_angle", measures="aset", reach=0.1, bound=0.2)
