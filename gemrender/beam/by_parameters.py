@@ -14,14 +14,13 @@ import numpy as np
 
 from gemrender.beam.budget import Budget
 from gemrender.beam.compiled import STEP
-from gemrender.beam.derivatives import Derivative, Sensitivity, facet_totals, result
+from gemrender.beam.derivatives import Sensitivity, derivative, facet_sides, result, score_slopes
 from gemrender.beam.facets import trace_facets
-from gemrender.beam.slopes import refuse_left_over, slopes_within
+from gemrender.beam.slopes import has_room, refuse_left_over, slopes_within
 from gemrender.beam.solid import beam_stone
 from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.parameters import unit_of
-from gemrender.measures.tally import bounds_of_sets
-from gemrender.observation import LIGHT_LEVEL, Model, View
+from gemrender.measures.tally import Tally
 from gemrender.stone import Stone
 
 __all__ = ["Change", "by_parameters", "changes_of"]
@@ -90,8 +89,7 @@ def changes_of(cut: Family) -> Iterator[Change]:
 def by_parameters(
     stone: Stone,
     cut: Family,
-    view: View,
-    model: Model,
+    tally: Tally,
     wanted: float,
     seed: int,
     budget: Budget,
@@ -101,45 +99,40 @@ def by_parameters(
     """Differentiate by a family's parameters; see `gemrender.beam.sensitivity.sensitivity`."""
     changes = list(changes_of(cut))
     if stone.is_round:
+        # Near the girdle light is told by differences: of a culet that there is none of there is no such.
+        changes = [change for change in changes if has_room(stone, change.moved)]
         base, slopes = slopes_within(
             stone,
             [(change.planes(cut), change.moved) for change in changes],
-            view, model, wanted, seed, budget, progress,
+            tally, wanted, seed, budget, progress,
         )  # fmt: skip
         scores, girdle = base.scores().mean(axis=0), base.girdle
     else:
-        scores, slopes = _exact(stone, cut, changes, view, model, budget, progress)
+        scores, slopes = _exact(stone, cut, changes, tally, budget, progress)
         girdle = 0.0
     derivatives = [
-        Derivative(
-            parameter=change.parameter, kept=change.kept, unit=unit_of(cut, change.parameter),
-            average=float(slope[:, 0].mean()), rear=float(slope[:, 1].mean()),
-            average_bound=float(bounds_of_sets(slope)[0]) if len(slope) > 1 else 0.0,
-            rear_bound=float(bounds_of_sets(slope)[1]) if len(slope) > 1 else 0.0,
-        )
+        derivative(change.parameter, change.kept, unit_of(cut, change.parameter), tally, slope)
         for change, slope in zip(changes, slopes, strict=True)
-    ]  # fmt: skip
-    return result(stone, view, model, (scores[0], scores[1]), derivatives, girdle, start)
+    ]
+    return result(stone, tally, scores, derivatives, girdle, start)
 
 
 def _exact(
     stone: Stone,
     cut: Family,
     changes: list[Change],
-    view: View,
-    model: Model,
+    tally: Tally,
     budget: Budget,
     progress: Callable[[float], None] | None,
 ) -> tuple[np.ndarray, list[np.ndarray]]:
-    """Return Average and Rear, (2,), and their derivatives by each change, (1, 2) each: all is polygons."""
-    convex = beam_stone(stone)
+    """Return the values, (2 + n,), and their derivatives by each change, (1 or 2, 1, 2 + n)."""
+    convex, view, model = beam_stone(stone), tally.view, tally.model
     refuse_left_over(trace_facets(convex, view=view, model=model, whole=False, budget=budget), stone)
     scores, slopes = np.zeros(2), []
     for done, change in enumerate(changes, start=1):
-        totals = facet_totals(convex, change.planes(cut), view=view, model=model)
-        parts, area = totals[:2], totals[2]
-        scores = LIGHT_LEVEL * (parts / area).real
-        slopes.append(LIGHT_LEVEL * (parts / area).imag[None] / STEP)
+        sides = facet_sides(convex, change.planes(cut), tally, whole=not tally.is_axial)
+        scores, slope = score_slopes(tally, sides)
+        slopes.append(slope)
         if progress is not None:
             progress(done / len(changes))
     return scores, slopes

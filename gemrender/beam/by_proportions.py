@@ -11,13 +11,12 @@ import numpy as np
 
 from gemrender.beam.budget import Budget
 from gemrender.beam.compiled import STEP
-from gemrender.beam.derivatives import Derivative, Sensitivity, result
+from gemrender.beam.derivatives import Derivative, Sensitivity, derivative, result
 from gemrender.beam.slopes import slopes_within
 from gemrender.cuts.round_brilliant import RoundBrilliant
 from gemrender.cuts.round_brilliant.planes import facet_planes
 from gemrender.cuts.round_brilliant.proportions import brilliant_vertices
-from gemrender.measures.tally import bounds_of_sets
-from gemrender.observation import Model, View
+from gemrender.measures.tally import Tally
 from gemrender.stone import Stone
 
 __all__ = ["PROPORTIONS", "by_proportions", "proportion_planes"]
@@ -37,8 +36,7 @@ def proportion_planes(proportions: RoundBrilliant, parameter: str) -> np.ndarray
 
 def by_proportions(
     stone: Stone,
-    view: View,
-    model: Model,
+    tally: Tally,
     wanted: float,
     seed: int,
     budget: Budget,
@@ -51,10 +49,9 @@ def by_proportions(
     changes = [
         (proportion_planes(proportions, parameter), partial(_moved, parameter)) for parameter in PROPORTIONS
     ]
-    base, found = slopes_within(stone, changes, view, model, wanted, seed, budget, progress)
-    derivatives = _derivatives(proportions, dict(zip(PROPORTIONS, found, strict=True)))
-    average, rear = base.scores().mean(axis=0)
-    return result(stone, view, model, (average, rear), derivatives, base.girdle, start)
+    base, found = slopes_within(stone, changes, tally, wanted, seed, budget, progress)
+    derivatives = _derivatives(proportions, tally, dict(zip(PROPORTIONS, found, strict=True)))
+    return result(stone, tally, base.values().mean(axis=0), derivatives, base.girdle, start)
 
 
 def _moved(parameter: str, stone: Stone, by: float) -> Stone:
@@ -64,7 +61,9 @@ def _moved(parameter: str, stone: Stone, by: float) -> Stone:
     return Stone.from_proportions(RoundBrilliant(**numbers), material=stone.material)
 
 
-def _derivatives(proportions: RoundBrilliant, slopes: dict[str, np.ndarray]) -> list[Derivative]:
+def _derivatives(
+    proportions: RoundBrilliant, tally: Tally, slopes: dict[str, np.ndarray]
+) -> list[Derivative]:
     """Put the derivatives together; those by angles follow from those by heights (the chain rule).
 
     crown height = (100 - table) / 2 tan(crown angle), pavilion depth = 50 tan(pavilion angle).
@@ -80,13 +79,4 @@ def _derivatives(proportions: RoundBrilliant, slopes: dict[str, np.ndarray]) -> 
     }
     rows = [(name, "proportions", "%", slope) for name, slope in slopes.items()]
     rows += [(name, "angles", unit, slope) for name, (unit, slope) in angles.items()]
-    out = []
-    for name, kept, unit, slope in rows:
-        (average, rear), bounds = slope.mean(axis=0), [float(bound) for bound in bounds_of_sets(slope)]
-        out.append(
-            Derivative(
-                parameter=name, kept=kept, unit=unit, average=float(average), rear=float(rear),
-                average_bound=bounds[0], rear_bound=bounds[1],
-            )
-        )  # fmt: skip
-    return out
+    return [derivative(name, kept, unit, tally, slope) for name, kept, unit, slope in rows]

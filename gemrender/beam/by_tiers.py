@@ -9,15 +9,15 @@ import numpy as np
 
 from gemrender.beam.budget import Budget
 from gemrender.beam.compiled import STEP
-from gemrender.beam.derivatives import Derivative, Sensitivity, facet_totals, result
+from gemrender.beam.derivatives import Sensitivity, derivative, facet_sides, result, score_slopes
 from gemrender.beam.facets import trace_facets
 from gemrender.beam.solid import beam_stone
 from gemrender.cuts.design import Design
 from gemrender.errors import InputError
-from gemrender.observation import LIGHT_LEVEL, Model, View
+from gemrender.measures.tally import Tally
 from gemrender.stone import Stone
 
-__all__ = ["by_tiers", "tier_planes"]
+__all__ = ["by_tiers", "design_unit", "tier_parameters", "tier_planes"]
 
 
 def tier_planes(stone: Stone, design: Design, tier: int, quantity: str) -> np.ndarray:
@@ -47,23 +47,40 @@ def tier_planes(stone: Stone, design: Design, tier: int, quantity: str) -> np.nd
 def by_tiers(
     stone: Stone,
     design: Design,
-    view: View,
-    model: Model,
+    tally: Tally,
     budget: Budget,
     progress: Callable[[float], None] | None,
     start: float,
 ) -> Sensitivity:
     """Differentiate by angle and distance of each tier that has facets on the stone."""
-    if model.rear == "position":
+    if tally.model.rear == "position":
         # The same, where the girdle's lower edge is level; it does not stay so when one tier moves.
-        model = replace(model, rear="facet")
-    convex = beam_stone(stone)
+        tally = tally.of_model(replace(tally.model, rear="facet"))
+    convex, view, model = beam_stone(stone), tally.view, tally.model
     facets = trace_facets(convex, view=view, model=model, budget=budget)
     if facets.left_over:
         raise InputError(
             f"falls into more virtual facets than can be differentiated: {facets.why_left_over}",
             source=stone.source or stone.name,
         )
+    parameters = tier_parameters(stone, design)
+    names, unit = design.tier_names(), design_unit(stone, design)
+    derivatives, scores = [], np.zeros(2)
+    for done, (tier, quantity) in enumerate(parameters, start=1):
+        planes = tier_planes(stone, design, tier, quantity)
+        scores, slopes = score_slopes(tally, facet_sides(convex, planes, tally, whole=True))
+        is_angle = quantity == "angle_deg"
+        if not is_angle:  # a distance counts in per cent of the stone's unit
+            slopes *= 0.01 * unit
+        name = f"{names[tier]} {'angle' if is_angle else 'distance'}"
+        derivatives.append(derivative(name, "tiers", "deg" if is_angle else "%", tally, slopes))
+        if progress is not None:
+            progress(done / len(parameters))
+    return result(stone, tally, scores, derivatives, 0.0, start)
+
+
+def tier_parameters(stone: Stone, design: Design) -> list[tuple[int, str]]:
+    """Return tiers with facets on the stone, and "angle_deg" or "distance": what can be changed of each."""
     number = {name: k for k, name in enumerate(design.facet_names())}
     of_tier = design.facet_tiers
     tiers = sorted({int(of_tier[number[facet.name]]) for facet in stone.facets})
@@ -73,34 +90,7 @@ def by_tiers(
         if 0.0 < angle < 90.0:  # tables and girdle facets are level, or stand upright
             parameters.append((tier, "angle_deg"))
         parameters.append((tier, "distance"))
-    names, unit = design.tier_names(), design_unit(stone, design)
-    derivatives = []
-    light = rear = area = 0.0
-    for done, (tier, quantity) in enumerate(parameters, start=1):
-        planes = tier_planes(stone, design, tier, quantity)
-        totals = facet_totals(convex, planes, view=view, model=model, whole=True)
-        light, rear, area = (float(x) for x in totals.real[:3])
-        # A distance counts in per cent of the stone's unit.
-        slopes = totals.imag[:3] / STEP * (1.0 if quantity == "angle_deg" else 0.01 * unit)
-        average, lost = (
-            float(LIGHT_LEVEL * (slope - part / area * slopes[2]) / area)
-            for slope, part in ((slopes[0], light), (slopes[1], rear))
-        )
-        derivatives.append(
-            Derivative(
-                parameter=f"{names[tier]} {'angle' if quantity == 'angle_deg' else 'distance'}",
-                kept="tiers",
-                unit="deg" if quantity == "angle_deg" else "%",
-                average=average,
-                rear=lost,
-                average_bound=0.0,
-                rear_bound=0.0,
-            )
-        )
-        if progress is not None:
-            progress(done / len(parameters))
-    scores = LIGHT_LEVEL * light / area, LIGHT_LEVEL * rear / area
-    return result(stone, view, model, scores, derivatives, 0.0, start)
+    return parameters
 
 
 def design_unit(stone: Stone, design: Design) -> float:

@@ -22,13 +22,25 @@ from gemrender.observation import Measurement, MeasureValues, Model, View, bound
 from gemrender.paths import Paths
 from gemrender.stone import Stone
 
-__all__ = ["BOUND_RANGE", "check_bound", "facet_sums", "measure", "measure_facets", "trace_paths"]
+__all__ = [
+    "BOUND_RANGE",
+    "PRINCIPAL_NORMALS",
+    "check_bound",
+    "facet_sums",
+    "measure",
+    "measure_facets",
+    "polygon_sums",
+    "trace_paths",
+]
 
 #: Allowed range of the error bound [%].
 BOUND_RANGE = (1e-4, 10.0)
 
 #: All light is followed by polygons down to this share of the view, area times weight; by rays from there.
 _LEAST = 1e-5
+#: Principal light alone, but with normals, which only paths of all light have: what has been reflected in
+#: part is followed where it is all of the view, and so never.
+PRINCIPAL_NORMALS = 1.0
 #: Rays of a set at first, and at the most.
 _FIRST_RAYS, _MOST_RAYS = 64, 1 << 23
 
@@ -120,10 +132,11 @@ def measure_facets(
     tally = Tally(view or View(resolution=1), model, of_one, head_deg, zenith)
     facets = trace_facets(
         convex, view=tally.view, model=tally.model, whole=not tally.is_axial,
-        least=_LEAST if tally.follows_all else 0.0, budget=budget,
+        least=_LEAST if tally.follows_all else PRINCIPAL_NORMALS if tally.needs_normals else 0.0,
+        budget=budget,
     )  # fmt: skip
-    near = NearGirdle(convex, facets, seed, tally)
-    resolved = _sums(tally, facets)
+    near = NearGirdle(convex, facets, seed, tally, later=tally.follows_all)
+    resolved = polygon_sums(tally, facets)
     found = _settle(tally, resolved, near, wanted, progress, budget)
     reached = found.scatter + found.unsolved
     missed = _missed(reached, wanted, found.unsolved, budget if near.stopped else None)
@@ -166,7 +179,7 @@ def trace_paths(
     tally = Tally(view, model, [measure_named("iso"), measure_named("aset")] if of_all else ())
     facets = trace_facets(convex, view=view, model=model, least=_LEAST if of_all else 0.0)
     near = NearGirdle(convex, facets, seed, tally)
-    _settle(tally, _sums(tally, facets), near, wanted, None, None)
+    _settle(tally, polygon_sums(tally, facets), near, wanted, None, None)
     return Paths.joined([facets.paths.rows(facets.status != FacetStatus.GIRDLE), *near.paths()])
 
 
@@ -241,7 +254,7 @@ class _Found:
         )
 
 
-def _sums(tally: Tally, facets: VirtualFacets) -> np.ndarray:
+def polygon_sums(tally: Tally, facets: VirtualFacets) -> np.ndarray:
     """Sum up the virtual facets whose whole path is known, (n_sums,) [girdle radius^2]."""
     sums = tally.sum_up(facets.paths)[0]
     sums[[TRAPPED, MET]] += facets.unaccounted
@@ -284,4 +297,4 @@ def _missed(bound: float, wanted: float, unsolved: float, stopped: Budget | None
 
 def facet_sums(facets: VirtualFacets) -> np.ndarray:
     """Sum up the virtual facets whose whole path is known, (N_SUMS,) as `inoue` has it [girdle radius^2]."""
-    return _sums(Tally(facets.view, facets.model), facets)
+    return polygon_sums(Tally(facets.view, facets.model), facets)

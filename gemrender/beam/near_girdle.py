@@ -63,6 +63,8 @@ class NearGirdle:
         Seed of the shifts of the sets, and of the rays' random numbers.
     tally : Tally, optional
         What is summed up over paths; by default what the paper's score takes.
+    later : bool
+        Whether what has been reflected in part counts, where polygons have followed it.
 
     Attributes
     ----------
@@ -79,7 +81,12 @@ class NearGirdle:
     """
 
     def __init__(
-        self, convex: BeamStone, facets: VirtualFacets, seed: int, tally: Tally | None = None
+        self,
+        convex: BeamStone,
+        facets: VirtualFacets,
+        seed: int,
+        tally: Tally | None = None,
+        later: bool = True,
     ) -> None:
         self._convex, self._model = convex, facets.model
         self._tally = tally or Tally(facets.view, facets.model)
@@ -93,10 +100,10 @@ class NearGirdle:
         is_round = facets.stone.is_round  # else polygons tell all of the view
         self.view_area = view_area(convex, facets.view) / facets.parts if is_round else seen
         self.areas: tuple[float, ...] = (cells.area, max(self.view_area - seen, 0.0))
-        if self._follows_all:
-            later = Cells(facets, of_principal=False)
-            self._regions.append(later)
-            self.areas += (later.area,)
+        if self._follows_all and later:
+            reflected = Cells(facets, of_principal=False)
+            self._regions.append(reflected)
+            self.areas += (reflected.area,)
         n = len(self._regions)
         self.sums, self.rays, self.stopped = np.zeros((SETS, n, self._tally.n_sums)), 0, False
         self._done, self._seconds = [0] * n, [0.0] * n

@@ -8,18 +8,22 @@ does not move.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Unpack
 
 from gemrender.beam.budget import Budget
 from gemrender.beam.by_parameters import by_parameters
 from gemrender.beam.by_proportions import PROPORTIONS, by_proportions, proportion_planes
 from gemrender.beam.by_tiers import by_tiers, tier_planes
-from gemrender.beam.derivatives import Derivative, Sensitivity, facet_totals
+from gemrender.beam.derivatives import Derivative, Sensitivity, ValueSlope, facet_totals
 from gemrender.beam.measure import check_bound
 from gemrender.cuts.design import Design
 from gemrender.cuts.families.family import Family
 from gemrender.errors import InputError
+from gemrender.measures.measure import HEAD_DEG, Measure
+from gemrender.measures.registry import chosen_measures
+from gemrender.measures.registry import measures as all_measures
+from gemrender.measures.tally import Tally
 from gemrender.observation import Model, View
 from gemrender.request import ShortForms, resolve
 from gemrender.stone import Stone
@@ -28,10 +32,12 @@ __all__ = [
     "PROPORTIONS",
     "Derivative",
     "Sensitivity",
+    "ValueSlope",
     "check_differentiable",
     "facet_totals",
     "proportion_planes",
     "sensitivity",
+    "smooth_measures",
     "tier_planes",
 ]
 
@@ -55,6 +61,42 @@ def check_differentiable(stone: Stone) -> None:
         )
 
 
+def smooth_measures(chosen: str | Measure | Iterable[str | Measure]) -> tuple[Measure, ...]:
+    """Return the measures that were asked for, if they have values that can be differentiated.
+
+    Parameters
+    ----------
+    chosen : str, Measure, or iterable of them
+        As `gemrender.measures.chosen_measures` takes them; none at all, too; `all` is all that have some.
+
+    Raises
+    ------
+    InputError
+        An unknown name, or a measure that has none.
+    """
+    if not isinstance(chosen, str | Measure):
+        chosen = list(chosen)
+    if chosen in ("", []):
+        return ()
+    if chosen == "all" or chosen == ["all"]:
+        return tuple(of for of in all_measures() if of.smooth_keys)
+    found = chosen_measures(chosen)
+    for of in found:
+        if not of.smooth_keys:
+            allowed = ", ".join(each.name for each in all_measures() if each.smooth_keys)
+            why = (
+                "is no analytic sum over principal paths"
+                if of.follow == "principal"
+                else "needs light that is reflected in part, which polygons tell only down to a least share"
+            )
+            raise InputError(
+                f"cannot be differentiated: it {why}; must be among {allowed}",
+                key="measures",
+                value=of.name,
+            )
+    return found
+
+
 def sensitivity(
     stone: Stone,
     *,
@@ -65,6 +107,8 @@ def sensitivity(
     time_limit: float = TIME_LIMIT,
     memory_limit: float = MEMORY_LIMIT,
     progress: Callable[[float], None] | None = None,
+    measures: str | Measure | Iterable[str | Measure] = (),
+    head: float = HEAD_DEG,
     **short: Unpack[ShortForms],
 ) -> Sensitivity:
     """Differentiate a stone's Average and Rear by each of its proportions and angles, or of its tiers'.
@@ -90,22 +134,27 @@ def sensitivity(
         What it may take [s], [GiB].
     progress : callable, optional
         Called with the share done, 0 to 1.
+    measures : str, Measure, or iterable of them
+        Further measures (`smooth_measures`); `all` for all of them that can be differentiated.
+    head : float
+        Half the angle at which the viewer's head is seen from the stone, 0 to below 90 [deg].
     **short
         Short forms of view and model, such as tilt (`gemrender.request.ShortForms`).
 
     Raises
     ------
     InputError
-        The stone was made from none of them, the bound or a limit is out of range, or the stone falls into
-        more virtual facets than can be differentiated within the limits.
+        The stone was made from none of them, a measure cannot be differentiated, the bound or a limit is out
+        of range, or the stone falls into more virtual facets than can be differentiated within the limits.
     """
     start = time.perf_counter()
     check_differentiable(stone)
     wanted = check_bound(bound)
     view, model = resolve(stone, view, model, short)
+    tally = Tally(view, model, smooth_measures(measures), head)
     whole = Budget(time_limit, memory_limit)
     if isinstance(stone.cut, Design):
-        return by_tiers(stone, stone.cut, view, model, whole, progress, start)
+        return by_tiers(stone, stone.cut, tally, whole, progress, start)
     if isinstance(stone.cut, Family):
-        return by_parameters(stone, stone.cut, view, model, wanted, seed, whole, progress, start)
-    return by_proportions(stone, view, model, wanted, seed, whole, progress, start)
+        return by_parameters(stone, stone.cut, tally, wanted, seed, whole, progress, start)
+    return by_proportions(stone, tally, wanted, seed, whole, progress, start)

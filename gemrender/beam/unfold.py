@@ -12,7 +12,7 @@ __all__ = ["in_common", "unfolding", "write_in_common"]
 
 
 def unfolding(nodes: np.ndarray, planes: np.ndarray) -> np.ndarray:
-    """Return what mirrors a direction at each node back through all reflections before, (k, 3, 3) float64.
+    """Return what mirrors a direction at each node back through all reflections, (k, 3, 3) like `planes`.
 
     At a node where light enters that is the identity; at any other the product of the mirrors of all nodes
     from there to the node itself, which counts too.
@@ -21,10 +21,10 @@ def unfolding(nodes: np.ndarray, planes: np.ndarray) -> np.ndarray:
     ----------
     nodes : (k, 2) int64
         Of each node its parent, -1 where light enters, and the plane that it meets; parents come first.
-    planes : (p, 4) float64
-        Unit normals and offsets.
+    planes : (p, 4) float64 or complex128
+        Unit normals and offsets; with derivatives the result has them too.
     """
-    out = np.empty((len(nodes), 3, 3))
+    out = np.empty((len(nodes), 3, 3), planes.dtype)
     _unfold(nodes, planes, out)
     return out
 
@@ -35,7 +35,8 @@ def _unfold(nodes: Any, planes: Any, out: Any) -> None:
         parent, plane = nodes[k, 0], nodes[k, 1]
         nx, ny, nz = planes[plane, 0], planes[plane, 1], planes[plane, 2]
         for j in range(3):
-            a, b, c = 1.0 if j == 0 else 0.0, 1.0 if j == 1 else 0.0, 1.0 if j == 2 else 0.0
+            zero = nx * 0.0
+            a, b, c = zero + (j == 0), zero + (j == 1), zero + (j == 2)
             if parent >= 0:
                 a, b, c = out[parent, j, 0], out[parent, j, 1], out[parent, j, 2]
                 twice = 2.0 * (a * nx + b * ny + c * nz)

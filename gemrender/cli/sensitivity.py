@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Annotated
+
+import typer
 
 from gemrender.cli.groups import command
 from gemrender.cli.options import (
     ENGINE,
     EngineOptions,
     MaterialOptions,
+    MeasureOptions,
     ModelOptions,
     TableOptions,
     ViewOptions,
@@ -20,11 +24,14 @@ from gemrender.cli.options import (
 from gemrender.cli.output import print_records, progress_bar, renamed, say
 from gemrender.cli.stones import StoneOptions, load
 from gemrender.cli.values import number_option
+from gemrender.errors import InputError
 
 __all__ = ["sensitivity"]
 
 #: Wanted error bound of a derivative [% per unit].
 _DEFAULT_BOUND = 0.2
+#: Share of the time that derivatives take where cliffs are looked for too.
+_FIRST = 0.4
 
 
 @command
@@ -33,6 +40,7 @@ def sensitivity(
     of: MaterialOptions,
     model: ModelOptions,
     view: ViewOptions,
+    measured: MeasureOptions,
     table: TableOptions,
     derivative_bound: Annotated[
         float | None,
@@ -47,18 +55,49 @@ def sensitivity(
     bound: Annotated[
         float | None, number_option("--bound", "per cent", "Old name.", metavar="PERCENT", hidden=True)
     ] = None,
+    cliffs: Annotated[
+        bool,
+        typer.Option(
+            "--cliffs",
+            help="Tell for each parameter the next place to either side where values jump, and by how much.",
+        ),
+    ] = False,
+    reach: Annotated[
+        float | None,
+        number_option(
+            "--reach",
+            "per cent or degrees",
+            "How far cliffs are looked for; by default 2 % or 1 degree.",
+            metavar="REACH",
+        ),
+    ] = None,
+    threshold: Annotated[
+        float,
+        number_option("--threshold", "per cent", "Smaller jumps are no cliff.", metavar="PERCENT"),
+    ] = 0.5,
     out: Annotated[str | None, output_option("Where to write a figure for each stone.")] = None,
 ) -> None:
-    """Differentiate Average and Rear by each proportion and angle: exact, moving edges included."""
-    from gemrender.beam.sensitivity import check_differentiable
+    """Differentiate scores by each proportion, angle or tier: exact, moving edges included; tell cliffs."""
+    from gemrender.beam.sensitivity import check_differentiable, smooth_measures
     from gemrender.beam.sensitivity import sensitivity as differentiate
+    from gemrender.engines import check_head
     from gemrender.report.files import file_stems, prepare_folder
-    from gemrender.report.sensitivity import sensitivity_records, sensitivity_table, write_sensitivity
+    from gemrender.report.sensitivity import (
+        cliffs_table,
+        measure_slopes_table,
+        sensitivity_records,
+        sensitivity_table,
+        write_sensitivity,
+    )
+    from gemrender.sweep.cliffs import find_cliffs
 
     form = table.chosen
     wanted, notes = renamed("--bound", bound, "--derivative-bound", derivative_bound, _DEFAULT_BOUND)
     options = trace_options(EngineOptions(engine="exact", bound=wanted), model, view)
     loaded = load(given.stones, options, given.settings, of.material)
+    if (reach is not None or threshold != 0.5) and not cliffs:
+        raise InputError("is of cliffs; add --cliffs", key="--threshold" if reach is None else "--reach")
+    measures, head = smooth_measures(measured.measures or ()), check_head(measured.head)
     for stone in loaded.stones:
         check_differentiable(stone)
     prepare_engine(options, loaded.samples, out)
@@ -66,17 +105,51 @@ def sensitivity(
         say(words)
     loaded.tell()
     folder = None if out is None else prepare_folder(out)
-    found = []
+    found, near = [], []
     with progress_bar(len(loaded)) as step:
         for i, (stone, stem) in enumerate(zip(loaded.stones, file_stems(loaded.names), strict=True)):
             at, rules = view_and_model(stone, options)
             progress = step(i, stone.name)
-            found.append(differentiate(stone, view=at, model=rules, bound=wanted, progress=progress))
+            first = _part(progress, 0.0, _FIRST if cliffs else 1.0)
+            found.append(
+                differentiate(
+                    stone, view=at, model=rules, bound=wanted, progress=first, measures=measures, head=head
+                )
+            )
+            if cliffs:
+                near.append(
+                    find_cliffs(
+                        stone,
+                        measures=measures or "inoue",
+                        view=at,
+                        model=rules,
+                        head=head,
+                        reach=reach,
+                        threshold=threshold,
+                        progress=_part(progress, _FIRST, 1.0),
+                    )
+                )
             if folder is not None:
                 say(f"written: {write_sensitivity(found[-1], folder, stem)}")
     print_records(
         form,
-        tables=lambda: [sensitivity_table(found)],
-        values=lambda: [s.to_dict() for s in found],
-        records=lambda: [record for s in found for record in sensitivity_records(s)],
+        tables=lambda: [
+            sensitivity_table(found),
+            *([measure_slopes_table(found)] if measures else []),
+            *([cliffs_table([s.name for s in found], near)] if cliffs else []),
+        ],
+        values=lambda: [
+            s.to_dict() | ({"cliffs": [of.to_dict() for of in near[i]]} if cliffs else {})
+            for i, s in enumerate(found)
+        ],
+        records=lambda: [
+            record
+            for i, s in enumerate(found)
+            for record in sensitivity_records(s, near[i] if cliffs else None)
+        ],
     )
+
+
+def _part(progress: Callable[[float], None], first: float, last: float) -> Callable[[float], None]:
+    """Return what tells the progress of a part of the work, between two shares of it."""
+    return lambda share: progress(first + (last - first) * share)

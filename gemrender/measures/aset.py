@@ -45,11 +45,12 @@ class Aset(Measure):
         "tied",
         "weighted_tied",
     )
+    smooth_keys = (*_SHOWN, "trapped", "tied")
     is_axial = True
 
     def contributions(self, light: Light) -> np.ndarray:
         """Return shares by zone, (n, 13), in the order of `keys`."""
-        out = np.zeros((len(self.keys), len(light))).T  # by columns
+        out = np.zeros((len(self.keys), len(light)), light.share.dtype).T  # by columns
         exits, principal = light.is_exit, light.is_principal
         column = _COLUMN[zone(light)]
         ties = exits & is_tied(light.zenith_cosine, *ZONE_LIMITS)

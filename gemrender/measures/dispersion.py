@@ -10,6 +10,8 @@ from gemrender.optics.material_files import load_material
 
 __all__ = ["Dispersion", "exit_directions", "fan_angle"]
 
+DEGREE = np.pi / 180
+
 
 def exit_directions(
     direction: np.ndarray, entry_normal: np.ndarray, exit_normal: np.ndarray, index: float
@@ -39,14 +41,19 @@ def exit_directions(
     along = (direction - dot(direction, entry_normal) * entry_normal) / index
     inside = along - np.sqrt(1.0 - dot(along, along)) * entry_normal
     along = index * (inside - dot(inside, exit_normal) * exit_normal)
-    along = along / np.maximum(np.sqrt(dot(along, along)), 1.0)
-    return np.asarray(along + np.sqrt(np.maximum(1.0 - dot(along, along), 0.0)) * exit_normal)
+    squared = dot(along, along)
+    grazes = squared.real >= 1.0  # then rounding must not make a direction of it: its root is 1e-8
+    along = along / np.where(grazes, np.sqrt(squared), 1.0)
+    return np.asarray(
+        along + np.where(grazes, 0.0, np.sqrt(np.where(grazes, 1.0, 1.0 - squared))) * exit_normal
+    )
 
 
 def fan_angle(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Return the angle between unit directions (n, 3), (n,) [deg]; exact for small ones too."""
-    half_chord = 0.5 * np.linalg.norm(first - second, axis=-1)
-    return np.asarray(2.0 * np.degrees(np.arcsin(np.minimum(half_chord, 1.0))))
+    apart = first - second
+    half_chord = 0.5 * np.sqrt((apart * apart).sum(axis=-1))  # analytic, as a norm is not
+    return np.asarray(2.0 * np.arcsin(np.minimum(half_chord, 1.0)) / DEGREE)
 
 
 class Dispersion(Measure):
@@ -64,18 +71,20 @@ class Dispersion(Measure):
     channels = ("angle", "area", "weighted_angle", "weighted_area")
     follow = "principal"
     unit = "deg"
+    smooth_keys = keys
+    needs_normals = True
     is_axial = True
 
     def contributions(self, light: Light) -> np.ndarray:
         """Return angle [deg] and 1 for what is counted, and both times T T, (n, 4); NaN where not known."""
-        paths, out = light.paths, np.zeros((4, len(light))).T  # by columns
+        paths, out = light.paths, np.zeros((4, len(light)), light.share.dtype).T  # by columns
         rows = np.flatnonzero(light.is_principal & light.is_exit & is_above(light.zenith_cosine, 0.0))
         indices = _blue_and_red(light)
         if indices is None or paths.entry_normal is None or paths.unfolded_exit_normal is None:
             angle = np.full(len(rows), np.nan)
         else:
-            eye, entry = light.view.basis()[2], paths.entry_normal[rows].real
-            leaves = paths.unfolded_exit_normal[rows].real
+            eye, entry = light.view.basis()[2], paths.entry_normal[rows]
+            leaves = paths.unfolded_exit_normal[rows]
             angle = fan_angle(*(exit_directions(-eye, entry, leaves, index) for index in indices))
         out[rows] = np.column_stack(
             [angle, np.ones(len(rows)), *(light.share[rows] * [angle, np.ones(len(rows))])]

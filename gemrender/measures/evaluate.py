@@ -23,7 +23,8 @@ def contributions(measure: Measure, light: Light) -> np.ndarray:
         The measure returns another shape.
     """
     light = light_of(measure, light)
-    found = np.asarray(measure.contributions(light), dtype=np.float64)
+    found = np.asarray(measure.contributions(light))
+    found = found.astype(np.result_type(np.float64, found), copy=False)
     found = found[:, None] if found.ndim == 1 else found
     expected = (len(light), len(measure.channels or measure.keys))
     if found.shape != expected:
@@ -57,7 +58,7 @@ def evaluate(lights: Iterable[Light], measures: Iterable[Measure]) -> dict[str, 
         principal = light.principal
         area += float(principal.paths.area.real @ principal.is_principal)
         for total, measure in zip(sums, chosen, strict=True):
-            total += area_sums(light_of(measure, light).paths, contributions(measure, light))
+            total += area_sums(light_of(measure, light).paths, contributions(measure, light)).real
     return {
         measure.name: dict(zip(measure.keys, map(float, measure.values(total, np.array(area))), strict=True))
         for total, measure in zip(sums, chosen, strict=True)
@@ -67,4 +68,4 @@ def evaluate(lights: Iterable[Light], measures: Iterable[Measure]) -> dict[str, 
 def area_sums(paths: Paths, added: np.ndarray) -> np.ndarray:
     """Return the sums (k,) of area times what each path adds per unit of it, (n, k) [stone's unit^2]."""
     # By einsum: BLAS would start threads for each.
-    return np.array([np.einsum("i,i->", paths.area.real, column) for column in added.T])
+    return np.array([np.einsum("i,i->", paths.area, column) for column in added.T])

@@ -21,6 +21,7 @@ class Extinction(Measure):
     source = "gemrender"
     keys = ("head", "late_leak", "tied")
     follow = "principal"
+    smooth_keys = keys
     is_axial = True
 
     def contributions(self, light: Light) -> np.ndarray:

@@ -137,15 +137,16 @@ class Inoue(Measure):
     source = "Inoue's paper (docs/model.md)"
     keys = ("average", "rear", "trapped", "lost", *(f"band_{100 * edge:.0f}" for edge in (*BAND_EDGES, 0.0)))
     follow = "principal"
+    smooth_keys = keys
     is_axial = True
 
     def contributions(self, light: Light) -> np.ndarray:
         """Return the intensity (0 to 1), and 1 for the share that each path belongs to, (n, 10)."""
         rear = rear_mask(light.paths, light.model)
         # Of other rows than these nothing is asked.
-        intensity = primary_intensity(light.paths, light.model, rear | ~light.is_principal).real
-        out = np.zeros((MET, len(light))).T  # by columns
+        intensity = primary_intensity(light.paths, light.model, rear | ~light.is_principal)
+        out = np.zeros((MET, len(light)), intensity.dtype).T  # by columns
         rows = np.flatnonzero(light.is_principal)
-        out[rows, _columns(light.paths, rear, intensity)[rows]] = 1.0
+        out[rows, _columns(light.paths, rear, intensity.real)[rows]] = 1.0
         out[rows, INTENSITY] = intensity[rows]
         return out

@@ -109,7 +109,7 @@ class Light:
     def zenith_cosine(self) -> np.ndarray:
         """(n,) cosine of the exit direction with the viewer's zenith; -1 to 1."""
         zenith = self.view.basis()[2] if self.zenith is None else self.zenith
-        return np.asarray(self.paths.exit_direction.real @ zenith)
+        return np.asarray(self.paths.exit_direction @ zenith)
 
     @cached_property
     def entering(self) -> np.ndarray:
@@ -125,14 +125,14 @@ class Light:
     @cached_property
     def share(self) -> np.ndarray:
         """(n,) share of the light at the eye that comes along the path; 0 for what does not leave."""
-        leaving = transmittance(np.where(self.is_exit, self.paths.cos_exit.real, 1.0), self.model.index)
+        leaving = transmittance(np.where(self.is_exit, self.paths.cos_exit, 1.0), self.model.index)
         return np.asarray(np.where(self.is_exit, self.arriving * leaving, 0.0))
 
     @cached_property
     def surface_reflectance(self) -> np.ndarray:
         """(n,) reflectance of the facet that each path enters by; 0 where none does."""
         met = self.paths.status != RayStatus.MISSED
-        cos = np.where(met, self.paths.cos_entry.real, 1.0)
+        cos = np.where(met, self.paths.cos_entry, 1.0)
         return np.asarray(np.where(met, reflectance(cos, self.model.index), 0.0))
 
     @cached_property
@@ -147,7 +147,7 @@ class Light:
         return np.asarray(np.where(is_lit, self.surface_reflectance, 0.0))
 
     def _is_open(self, cosine: np.ndarray) -> np.ndarray:
-        return np.asarray(is_above(cosine, 0.0) & (cosine < self.head_cosine - TIE))
+        return np.asarray(is_above(cosine, 0.0) & (cosine.real < self.head_cosine - TIE))
 
     @cached_property
     def sky_ties(self) -> tuple[np.ndarray, np.ndarray]:
@@ -165,31 +165,31 @@ class Light:
 
         With the zenith at the eye that is 2 cos^2 - 1.
         """
-        cos = self.paths.cos_entry.real
+        cos = self.paths.cos_entry
         if self.zenith is None:
             return np.asarray(2.0 * cos**2 - 1.0)
         assert self.paths.entry_normal is not None, "all light has normals"
         return np.asarray(
-            2.0 * cos * (self.paths.entry_normal.real @ self.zenith) - self.view.basis()[2] @ self.zenith
+            2.0 * cos * (self.paths.entry_normal @ self.zenith) - self.view.basis()[2] @ self.zenith
         )
 
 
 def is_above(cosine: np.ndarray, limit: float) -> np.ndarray:
     """Tell which cosines with the zenith are above a limit, (n,) bool: a tie is not."""
-    return np.asarray(cosine > limit + TIE)
+    return np.asarray(cosine.real > limit + TIE)
 
 
 def is_tied(cosine: np.ndarray, *limits: float) -> np.ndarray:
     """Tell which cosines with the zenith are at one of some limits within `TIE`, (n,) bool."""
     tied = np.zeros(np.shape(cosine), dtype=bool)
     for limit in limits:
-        tied |= np.abs(cosine - limit) < TIE
+        tied |= np.abs(cosine.real - limit) < TIE
     return tied
 
 
 def in_columns(*columns: np.ndarray) -> np.ndarray:
-    """Return columns (n,) side by side, (n, k) float64, each contiguous in memory, as sums want them."""
-    return np.array(columns, dtype=np.float64).T
+    """Return columns (n,) side by side, (n, k), each contiguous in memory, as sums want them."""
+    return np.array(columns, dtype=np.result_type(np.float64, *columns)).T
 
 
 class Measure:
@@ -218,6 +218,12 @@ class Measure:
         through it yields; then a part of a symmetric stone's view is enough.
     views : {"one", "hemisphere"}
         Whether it is of one view, or a sum over all views from above.
+    smooth_keys : tuple of str
+        Names of the values that can be differentiated: principal paths alone make them, and `contributions`
+        and `values` are analytic. Of complex paths, whose imaginary parts are derivatives, they yield complex
+        numbers, and decide by real parts.
+    needs_normals : bool
+        Whether it needs the normals of paths (`Paths.entry_normal`, `Paths.unfolded_exit_normal`).
     """
 
     name: str = ""
@@ -231,6 +237,8 @@ class Measure:
     follow: str = "all"
     is_axial: bool = False
     views: str = "one"
+    smooth_keys: tuple[str, ...] = ()
+    needs_normals: bool = False
 
     def contributions(self, light: Light) -> np.ndarray:
         """Return what each path adds, per unit of its area.

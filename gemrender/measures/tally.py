@@ -44,6 +44,8 @@ class Tally:
         the channels of each.
     follows_all : bool
         Whether a measure needs all light.
+    needs_normals : bool
+        Whether a measure needs the normals of paths.
     is_axial : bool
         Whether a part of a symmetric stone's view is enough for all of them.
     """
@@ -59,6 +61,7 @@ class Tally:
         self.view, self.model, self.measures = view, model, tuple(measures)
         self.head_deg, self.zenith = head_deg, zenith
         self.follows_all = any(measure.follow == "all" for measure in measures)
+        self.needs_normals = any(measure.needs_normals for measure in measures)
         self.is_axial = zenith is None and all(measure.is_axial for measure in measures)
         numbers = [len(measure.channels or measure.keys) for measure in measures]
         ends = REST + 1 + np.cumsum(numbers, dtype=np.int64)
@@ -91,6 +94,10 @@ class Tally:
         return Light(
             paths=paths, view=self.view, model=self.model, head_deg=self.head_deg, zenith=self.zenith
         )
+
+    def of_model(self, model: Model) -> Tally:
+        """Return the same with another model."""
+        return Tally(self.view, model, self.measures, self.head_deg, self.zenith)
 
     def values(self, sums: np.ndarray) -> list[np.ndarray]:
         """Return the values of each measure, (..., len(keys)), from sums (..., n_sums)."""

@@ -17,6 +17,7 @@ class Window(Measure):
     definition = "share of the view whose principal light leaves through a pavilion facet at its first hit"
     source = "gemrender"
     follow = "principal"
+    smooth_keys = ("value",)
     is_axial = True
 
     def contributions(self, light: Light) -> np.ndarray:

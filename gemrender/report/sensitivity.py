@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +17,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from gemrender.sweep.cliffs import Cliff
+
 __all__ = [
+    "cliffs_table",
+    "measure_slopes_table",
     "parameter_name",
     "sensitivity_figure",
     "sensitivity_records",
@@ -42,7 +45,7 @@ _NAMES = {
 }
 
 
-def parameter_name(derivative: Derivative) -> str:
+def parameter_name(derivative: Derivative | Cliff) -> str:
     """Return the parameter in words, with what is kept where that matters."""
     name = _NAMES.get(derivative.parameter)
     if name is None:
@@ -72,6 +75,8 @@ def sensitivity_table(sensitivities: Sequence[Sensitivity]) -> TextTable:
             ])  # fmt: skip
     table.note("d Average, d Rear: per cent of the light or of the top view, by one unit of the parameter.")
     table.note("±: error of the part near the girdle, a difference quotient of rays; the rest is exact.")
+    if any(d.average_bound or d.rear_bound for s in sensitivities if not s.girdle for d in s.derivatives):
+        table.note("Without a round girdle ± is half of what the slopes on both sides differ by: a kink.")
     for s in sensitivities:
         table.note(
             f"{s.name}: Average {s.average:.2f}, Rear {s.rear:.2f}; "
@@ -80,9 +85,73 @@ def sensitivity_table(sensitivities: Sequence[Sensitivity]) -> TextTable:
     return table
 
 
-def sensitivity_records(sensitivity: Sensitivity) -> list[dict[str, Any]]:
-    """Return the derivatives as flat records, one each."""
-    return [{"name": sensitivity.name, **asdict(d)} for d in sensitivity.derivatives]
+def measure_slopes_table(sensitivities: Sequence[Sensitivity]) -> TextTable:
+    """Return the derivatives of measures: a row for each value of each, by each parameter."""
+    texts = [Column(name, is_text=True) for name in ("Stone", "Measure", "Value", "by", "unit")]
+    table = TextTable([*texts, Column("slope", style="bold"), Column("±", rank=1)], ruled=True)
+    for s in sensitivities:
+        for number, values in enumerate(zip(*(d.measures for d in s.derivatives), strict=True)):
+            for by, (d, value) in enumerate(zip(s.derivatives, values, strict=True)):
+                first = "" if by else value.measure
+                key = "" if by or value.key == "value" else value.key
+                slope = ("-", "-") if np.isnan(value.slope) else (f"{value.slope:+.3f}", _digits(value.bound))
+                unit = f"{value.unit} by 1 {_SIGNS[d.unit]}".strip()
+                table.rows.append(
+                    ["" if number or by else s.name, first, key, parameter_name(d), unit, *slope]
+                )
+    table.note(
+        "Where the slopes on both sides differ their mean is told, and half of the difference is in ±."
+    )
+    return table
+
+
+def cliffs_table(names: Sequence[str], cliffs: Sequence[Sequence[Cliff]]) -> TextTable:
+    """Return the next jump below and above each parameter, a row each, of stones of these names."""
+    texts = [Column(name, is_text=True) for name in ("Stone", "Parameter", "unit")]
+    sides = [Column("next jump below"), Column("jumps", 1, is_text=True), Column("above"),
+             Column("jumps", 1, is_text=True)]  # fmt: skip
+    table = TextTable([*texts, Column("is", 2), *sides], ruled=True)
+    for name, of_stone in zip(names, cliffs, strict=True):
+        pairs = zip(of_stone[::2], of_stone[1::2], strict=True)
+        for number, (below, above) in enumerate(pairs):
+            cells = [cell for cliff in (below, above) for cell in _cliff_cells(cliff)]
+            words = parameter_name(below)
+            first = "" if number else name
+            table.rows.append([first, words, _SIGNS[below.unit], f"{below.value:.3f}", *cells])
+    table.note("jumps: what of the light or of the view jumps most when the parameter grows past that place.")
+    table.note("none to: no such jump as far as that value.")
+    return table
+
+
+def _cliff_cells(cliff: Cliff) -> tuple[str, str]:
+    largest = cliff.largest
+    if cliff.at is None or largest is None:
+        end = cliff.value + (-1 if cliff.side == "below" else 1) * cliff.searched
+        return f"none to {end:.2f}", ""
+    key = "" if largest.key == "value" else f" {largest.key}"
+    return f"{cliff.at:.4f}", f"{largest.measure}{key} {largest.size:+.2f}"
+
+
+def sensitivity_records(
+    sensitivity: Sensitivity, cliffs: Sequence[Cliff] | None = None
+) -> list[dict[str, Any]]:
+    """Return the derivatives as flat records, one each; with the cliffs of each parameter if given."""
+    by_parameter = {(of.parameter, of.kept, of.side): of for of in cliffs or ()}
+    out = []
+    for d in sensitivity.derivatives:
+        record = {"name": sensitivity.name, **d.to_dict()}
+        for measure, of in record.pop("measures", {}).items():
+            for key, told in of.items():
+                name = measure if key == "value" else f"{measure}_{key}"
+                record |= {name: told["slope"], f"{name}_bound": told["bound"]}
+        for side in ("below", "above") if cliffs is not None else ():
+            cliff = by_parameter.get((d.parameter, d.kept, side))
+            largest = None if cliff is None else cliff.largest
+            record[f"cliff_{side}"] = None if cliff is None else cliff.at
+            record[f"cliff_{side}_of"] = None if largest is None else f"{largest.measure} {largest.key}"
+            record[f"cliff_{side}_jump"] = None if largest is None else largest.size
+        out.append(record)
+    return out
 
 
 def _digits(bound: float) -> str:

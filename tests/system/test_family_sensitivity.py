@@ -12,6 +12,7 @@ from gemrender.beam.compiled import STEP
 from gemrender.beam.sensitivity import facet_totals, sensitivity
 from gemrender.cuts.families import families
 from gemrender.cuts.families.family import Family
+from gemrender.errors import InputError
 from gemrender.observation import Model
 from tests.exact_tolerances import DERIVATIVE
 
@@ -24,13 +25,21 @@ MODEL = Model(index=1.77, fresnel="exact", max_reflections=6)
 STEPS = (1e-6, 1e-7, 1e-8)
 
 
+def has_room(change, stone):
+    """Whether it can become smaller and larger: some are as small as they may be."""
+    try:
+        return all(change.moved(stone, by) for by in (-STEPS[0], STEPS[0]))
+    except InputError:
+        return False
+
+
 @pytest.mark.parametrize("name", POLYGONAL)
 def test_derivatives_are_central_differences(name):
     """Of each family by one parameter, another one in each; planes are held for all of them elsewhere."""
     cut = POLYGONAL[name]()
-    changes = [change for change in changes_of(cut) if change.value]
-    change = changes[list(POLYGONAL).index(name) % len(changes)]
     stone = cut.stone()
+    changes = [change for change in changes_of(cut) if has_room(change, stone)]
+    change = changes[list(POLYGONAL).index(name) % len(changes)]
     ready = beam_stone(stone)
     slopes = facet_totals(ready, change.planes(cut), model=MODEL).imag / STEP
     errors = []
@@ -57,7 +66,7 @@ def test_angles_stay_where_they_are_kept():
 def test_a_round_girdle_has_bounds():
     """Near a round girdle rays tell how light changes: a difference of scores lies within the bounds."""
     cut = FAMILIES["single cut"]()
-    found = sensitivity(cut.stone(), bound=0.5)
+    found = sensitivity(cut.stone(), bound=5.0)
     for derivative in found.derivatives:
         if (derivative.parameter, derivative.kept) != ("girdle_thickness", "proportions"):
             continue

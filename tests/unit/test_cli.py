@@ -85,6 +85,12 @@ BAD_INPUT = {
     "sensitivity inoue-1 hollow.csv --out x": "hollow.csv: has no proportions to differentiate by",
     "sensitivity inoue-1 --bound x": "--bound = 'x': must be a finite number of per cent",
     "sensitivity inoue-1 --bound 0": "--bound = 0.0: must be from 0.0001 to 10 [%]",
+    "sensitivity inoue-1 --measures iso": "--measures = 'iso': cannot be differentiated: it needs ",
+    "sensitivity inoue-1 --measures sparkle": "--measures = 'sparkle': must be one of inoue, iso, ",
+    "sensitivity inoue-1 --reach 1": "--reach: is of cliffs; add --cliffs",
+    "sensitivity inoue-1 --cliffs --reach 0": "--reach = 0.0: must be a number above 0",
+    "sensitivity inoue-1 --cliffs --threshold -1": "--threshold = -1.0: must be a number above 0",
+    "sensitivity inoue-1 --cliffs --measures dispersion": "--measures = 'dispersion': must have values ",
     "sensitivity inoue-1 --out text.toml": "--out = 'text.toml': must be a folder that can be written",
     "crosscheck inoue-1 --variant mono": "--variant = 'mono': must be one of llvm_ad_rgb, llvm_ad_mono, ",
     "scene inoue-1 --variant mono --out x": "--variant = 'mono': must be one of llvm_ad_rgb, ",
@@ -305,6 +311,18 @@ def test_progress_of_many_stones_is_not_written_into_a_file(gemrender, monkeypat
     )
 
 
+#: A roof upside down of quartz: behind (180 - theta_c)/3 its second main lets all light out.
+ROOF = """GemCad 5.0
+g 96 0.0
+y 1 n
+I 1.54
+a -46.2 0.6 0 n M 48
+a 90 1.0 24 n E 72
+a 90 0.5 0 n S 48
+a 0 0.3 0 n T
+"""
+
+
 # ---- Derivatives ---------------------------------------------------------------------------------------
 
 
@@ -324,6 +342,38 @@ def test_sensitivity_as_json(gemrender):
     assert (first["parameter"], first["kept"], first["unit"]) == ("table", "proportions", "%")
     assert (last["parameter"], last["kept"]) == ("lower_half", "angles")
     assert {"average", "rear", "average_bound", "rear_bound"} < set(first)
+    assert "measures" not in first
+    assert "cliffs" not in found
+
+
+def test_sensitivity_of_measures(gemrender):
+    (found,) = json.loads(gemrender("sensitivity", "inoue-3", "--measures", "window,aset", "--json")[1])
+    zones = ["green", "red", "blue", "leak", "trapped", "tied"]
+    for of in found["derivatives"]:
+        assert list(of)[-1] == "measures"
+        assert {name: list(values) for name, values in of["measures"].items()} == {
+            "window": ["value"],
+            "aset": zones,
+        }
+        assert set(of["measures"]["window"]["value"]) == {"slope", "bound"}
+    status, out, err = gemrender("sensitivity", "inoue-3", "--measures", "window", "--format", "csv")
+    assert (status, err) == (0, "")
+    assert out.splitlines()[0].endswith("rear_bound,window,window_bound")
+
+
+def test_sensitivity_tells_cliffs(folder, gemrender):
+    (folder / "roof.asc").write_text(ROOF, encoding="utf-8")
+    (found,) = json.loads(gemrender("sensitivity", "roof.asc", "--cliffs", "--reach", "0.5", "--json")[1])
+    assert list(found)[-1] == "cliffs"
+    steeper, flatter = found["cliffs"][:2]
+    assert (steeper["side"], flatter["side"], flatter["at"]) == ("below", "above", None)
+    assert steeper["parameter"] == found["derivatives"][0]["parameter"]
+    assert steeper["at"] == pytest.approx(-46.50, abs=0.01)
+    assert steeper["jumps"]["inoue"]["rear"] == pytest.approx(-100.0, abs=0.01)
+    status, out, err = gemrender("sensitivity", "roof.asc", "--cliffs", "--reach", "0.5")
+    assert (status, err) == (0, "")
+    assert "-46.502" in out
+    assert "inoue rear -100.00" in out
 
 
 # ---- Cross-check ---------------------------------------------------------------------------------------
