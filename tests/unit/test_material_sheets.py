@@ -211,5 +211,5 @@ def test_templates_of_stones_and_set_ups_load(tmp_path):
 @pytest.mark.parametrize("template", [stone_template, setup_template])
 @pytest.mark.parametrize("name", ["", "../inoue-3", "inoue-33"])
 def test_a_template_of_nothing_is_refused(template, name):
-    with pytest.raises(InputError, match=r"^name = '.*': must be one of [a-z]+"):
+    with pytest.raises(InputError, match=r"^name = '.*': must be (one of [a-z]+|a bundled stone \(see: )"):
         template(name)
