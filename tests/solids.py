@@ -11,7 +11,7 @@ from gemrender.cuts.round_brilliant.topology import CULET
 from gemrender.stone import Facet, MeshSolid, Stone, StoneMesh, side_of
 
 #: Bundled round brilliants of 57 facets and a girdle, as the paper's proportions describe them.
-BRILLIANTS = [name for name in bundled_stones() if load_stone(name).proportions is not None]
+BRILLIANTS = [name for name in bundled_stones() if load_stone(name).description in ("proportions", "angles")]
 _STEP = math.pi / 8
 
 

@@ -89,7 +89,7 @@ def sensitivity(
         sensitivity_table,
         write_sensitivity,
     )
-    from gemrender.sweep.cliffs import find_cliffs
+    from gemrender.sweep.cliffs import check_reach, find_cliffs
 
     form = table.chosen
     wanted, notes = renamed("--bound", bound, "--derivative-bound", derivative_bound, _DEFAULT_BOUND)
@@ -97,6 +97,7 @@ def sensitivity(
     loaded = load(given.stones, options, given.settings, of.material)
     if (reach is not None or threshold != 0.5) and not cliffs:
         raise InputError("is of cliffs; add --cliffs", key="--threshold" if reach is None else "--reach")
+    check_reach(reach, threshold)
     measures, head = smooth_measures(measured.measures or ()), check_head(measured.head)
     for stone in loaded.stones:
         check_differentiable(stone)

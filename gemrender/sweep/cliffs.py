@@ -30,7 +30,7 @@ from gemrender.observation import Model, View
 from gemrender.request import ShortForms, resolve
 from gemrender.stone import Stone
 
-__all__ = ["Cliff", "Jump", "Parameter", "find_cliffs", "parameters_of"]
+__all__ = ["Cliff", "Jump", "Parameter", "check_reach", "find_cliffs", "parameters_of"]
 
 #: How far is looked by default, by unit, and in how many steps.
 REACH = {"deg": 1.0, "%": 2.0, "": 0.05}
@@ -124,6 +124,19 @@ class Cliff:
         return out | {"jumps": jumps}
 
 
+def check_reach(reach: float | None, threshold: float) -> None:
+    """Refuse how far cliffs are looked for, and how large they must be, if that cannot be.
+
+    Raises
+    ------
+    InputError
+        One is no number above 0.
+    """
+    for key, number in (("reach", reach), ("threshold", threshold)):
+        if number is not None and not (math.isfinite(number) and number > 0.0):
+            raise InputError("must be a number above 0", key=key, value=number)
+
+
 def find_cliffs(
     stone: Stone,
     parameters: Sequence[str] | None = None,
@@ -177,9 +190,7 @@ def find_cliffs(
     steep slope the other way hides by half of the threshold.
     """
     check_differentiable(stone)
-    for key, number in (("reach", reach), ("threshold", threshold)):
-        if number is not None and not (math.isfinite(number) and number > 0.0):
-            raise InputError("must be a number above 0", key=key, value=number)
+    check_reach(reach, threshold)
     chosen = chosen_measures(measures)
     counts = np.array([_counts(of.unit, key) for of in chosen for key in of.keys])
     if not counts.any():
