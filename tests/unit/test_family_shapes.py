@@ -92,6 +92,17 @@ def test_over_the_whole_range_it_is_a_convex_stone_or_one_line(kind):
 
 
 @pytest.mark.parametrize("kind", FAMILIES.values(), ids=FAMILIES)
+@pytest.mark.parametrize("thickness", [0.0, 1e-12, 1e-8])
+def test_a_girdle_of_next_to_no_height_is_one_line(kind, thickness):
+    """Its facets would be lost among rounding; a round one is a cylinder, and may have none."""
+    if kind.IS_ROUND:
+        kind(girdle_thickness=thickness)
+        return
+    with pytest.raises(InputError, match=r"girdle.* (would vanish|meet)"):
+        kind(girdle_thickness=thickness).stone()
+
+
+@pytest.mark.parametrize("kind", FAMILIES.values(), ids=FAMILIES)
 def test_derivatives_of_planes_are_those_of_differences(kind):
     """By every parameter and every alternative, from the middle of the defaults and a little way off."""
     cut = kind()

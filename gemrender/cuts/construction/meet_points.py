@@ -21,8 +21,9 @@ __all__ = ["LEAST_SHARE", "MEET", "Construction"]
 MEET = 1e-9
 #: Least area of a facet [share of the outline's area]; girdle facets and culets are as small as is said.
 LEAST_SHARE = 1e-4
-#: A facet of a smaller area has no plane.
-_NO_AREA = 1e-12
+#: A facet of a smaller area, such as one of a girdle of next to no height, is lost among rounding where
+#: planes are intersected [square of half the outline's longer side].
+_NO_AREA = 1e-8
 #: Angles [deg] and distances of one tier differ by no more: rounding.
 _SAME = 1e-9
 #: Teeth of the index wheel.
