@@ -9,6 +9,8 @@ import typer
 
 from gemrender.cli.groups import command
 from gemrender.cli.options import (
+    DEFAULT_DEVIATION,
+    CuttingDeviation,
     EngineOptions,
     Head,
     MaterialOptions,
@@ -21,7 +23,7 @@ from gemrender.cli.options import (
 )
 from gemrender.cli.output import print_records, progress_bar, say
 from gemrender.cli.stones import load
-from gemrender.cli.values import choice_option, number_option, whole_option
+from gemrender.cli.values import choice_option, whole_option
 from gemrender.engines import DEFAULT_HEAD
 from gemrender.errors import InputError
 
@@ -72,15 +74,7 @@ def improve(
             metavar="WHAT",
         ),
     ] = None,
-    deviation: Annotated[
-        float,
-        number_option(
-            "--deviation",
-            "degrees",
-            "Cutting: standard deviation of the angles that facets are tilted by, 0 to 5.",
-            metavar="DEGREES",
-        ),
-    ] = 0.2,
+    deviation: CuttingDeviation = DEFAULT_DEVIATION,
     draws: Annotated[int, whole_option("--draws", "Draws that a spread is taken over.")] = 16,
     answers: Annotated[int, whole_option("--answers", "Most answers; each differs from the others.")] = 3,
     rounds: Annotated[int, whole_option("--rounds", "Most rounds of the search.")] = 40,

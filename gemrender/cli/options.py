@@ -37,7 +37,9 @@ if TYPE_CHECKING:
     from gemrender.stone import Stone
 
 __all__ = [
+    "DEFAULT_DEVIATION",
     "AnyStones",
+    "CuttingDeviation",
     "EngineOptions",
     "Head",
     "MaterialOptions",
@@ -284,6 +286,22 @@ class MeasureOptions:
         ),
     ] = None
     head: Head = DEFAULT_HEAD
+
+
+# ---- Cutting errors ------------------------------------------------------------------------------------
+
+#: Standard deviation of the angles that facets are tilted by unless another is asked for: good cutting [deg].
+DEFAULT_DEVIATION = 0.2
+
+CuttingDeviation = Annotated[
+    float,
+    number_option(
+        "--deviation",
+        "degrees",
+        "Cutting: standard deviation of the angles that facets are tilted by, 0 to 5.",
+        metavar="DEGREES",
+    ),
+]
 
 
 # ---- Output --------------------------------------------------------------------------------------------

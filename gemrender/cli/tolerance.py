@@ -9,7 +9,9 @@ import typer
 
 from gemrender.cli.groups import command
 from gemrender.cli.options import (
+    DEFAULT_DEVIATION,
     Bound,
+    CuttingDeviation,
     EngineOptions,
     MaterialOptions,
     MeasureOptions,
@@ -34,8 +36,8 @@ __all__ = ["tolerance"]
 
 #: Its words are those of `gemrender.sweep.unknown`, which is heavier to import.
 _KINDS = ("rounding", "cutting", "scan")
-#: What is drawn where nothing else is said [deg], [girdle radii]: good cutting, and 20 um of 3.25 mm.
-_DEVIATION, _JITTER = 0.2, 0.006
+#: What is drawn where nothing else is said [girdle radii]: 20 um of 3.25 mm.
+_JITTER = 0.006
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,15 +76,7 @@ def tolerance(
             "known exactly. May be given several times.",
         ),
     ] = None,
-    deviation: Annotated[
-        float,
-        number_option(
-            "--deviation",
-            "degrees",
-            "Cutting: standard deviation of the angles that facets are tilted by, 0 to 5.",
-            metavar="DEGREES",
-        ),
-    ] = _DEVIATION,
+    deviation: CuttingDeviation = DEFAULT_DEVIATION,
     depth: Annotated[
         float,
         number_option(
@@ -109,6 +103,7 @@ def tolerance(
     ] = None,
 ) -> None:
     """Tell how measures spread under what is not known of stones: rounding, cutting or scan errors."""
+    from gemrender.cuts.families.family import Family
     from gemrender.engines import check_head
     from gemrender.measures import chosen_measures
     from gemrender.report.files import file_stems, prepare_folder
@@ -122,7 +117,7 @@ def tolerance(
     changes = dict(_step(text) for text in steps or ())
 
     def unknown_of(stone: Stone) -> Unknown:
-        is_made = stone.proportions is not None or hasattr(stone.cut, "construct")
+        is_made = stone.proportions is not None or isinstance(stone.cut, Family)
         kind = unknown or ("rounding" if is_made else "cutting")
         if kind == "rounding":
             return Rounding.of(stone, changes)

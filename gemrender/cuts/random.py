@@ -22,16 +22,14 @@ SPREAD: dict[str, tuple[float, float]] = {
     "pavilion_depth": (38.0, 48.0),
     "girdle_thickness": (1.0, 6.0),
 }
+#: Thickest girdle of a random member [%]: about thicker ones, that are not sold, light runs so long where
+#: they are round that no two tracers agree.
+_THICKEST_GIRDLE = 10.0
 
 
 def random_brilliant(rng: np.random.Generator) -> RoundBrilliant:
     """Draw proportions uniformly from `SPREAD`, each by itself."""
     return RoundBrilliant(**{key: float(rng.uniform(low, high)) for key, (low, high) in SPREAD.items()})
-
-
-#: Girdles of random members [%]: about those thicker than any that are sold, round ones, light runs so long
-#: that no two tracers agree.
-_GIRDLE = (0.0, 10.0)
 
 
 def random_member(kind: type[Family], rng: np.random.Generator) -> Family:
@@ -44,7 +42,7 @@ def random_member(kind: type[Family], rng: np.random.Generator) -> Family:
             else:
                 low, high = part.metadata["range"]
                 if part.name == "girdle_thickness":
-                    low, high = max(low, _GIRDLE[0]), min(high, _GIRDLE[1])
+                    high = min(high, _THICKEST_GIRDLE)
                 values[part.name] = float(rng.uniform(low, high))
                 if part.metadata["or_zero"] and rng.random() < 0.5:
                     values[part.name] = 0.0

@@ -34,6 +34,7 @@ from gemrender.cuts.construction.break_crown import (
 )
 from gemrender.cuts.construction.meet_points import points_at
 from gemrender.cuts.families.family import Family
+from gemrender.cuts.families.heights import by_angle
 from gemrender.cuts.families.parameters import Alternative, choice, culet, girdle_thickness, parameter
 from gemrender.cuts.laboratory import ROUNDING
 from gemrender.cuts.marks import Mark, Share, break_marks, corner_mark, slope, tilt, usual_marks
@@ -121,18 +122,8 @@ class Parameters(Family):
     """
 
     ALTERNATIVES: ClassVar[tuple[Alternative, ...]] = (
-        Alternative(
-            "crown_angle", "crown_height", 10.0, 60.0,
-            lambda angle, values: _crown_angle_run(values) * np.tan(angle * _DEGREE),
-            lambda values: np.arctan(values["crown_height"] / _crown_angle_run(values)) / _DEGREE,
-            ROUNDING["crown_angle"],
-        ),
-        Alternative(
-            "corner_angle", "pavilion_depth", 20.0, 60.0,
-            lambda angle, values: _corner_run(values) * np.tan(angle * _DEGREE),
-            lambda values: np.arctan(values["pavilion_depth"] / _corner_run(values)) / _DEGREE,
-            ROUNDING["pavilion_angle"],
-        ),
+        by_angle("crown_angle", "crown_height", _crown_angle_run, 10.0, 60.0, ROUNDING["crown_angle"]),
+        by_angle("corner_angle", "pavilion_depth", _corner_run, 20.0, 60.0, ROUNDING["pavilion_angle"]),
         Alternative(
             "side_angle", "bulge", 30.0, 80.0,
             _bulge_from_side,

@@ -16,7 +16,7 @@ from gemrender.cuts.construction import Construction
 from gemrender.cuts.construction.meet_points import points_at
 from gemrender.cuts.construction.outlines import circle
 from gemrender.cuts.families.family import Family
-from gemrender.cuts.families.heights import PAVILION_ANGLE
+from gemrender.cuts.families.heights import PAVILION_ANGLE, by_angle
 from gemrender.cuts.families.parameters import Alternative, girdle_thickness, parameter
 from gemrender.cuts.girdle_words import CULET_RANGE, read_culet
 from gemrender.cuts.laboratory import ROUNDING
@@ -28,7 +28,6 @@ FAMILY = "single cut"
 
 #: From the middle of one of eight facets to its end: a sixteenth of a turn.
 _COS = float(np.cos(np.pi / 8))
-_DEGREE = np.pi / 180
 
 
 def _crown_run(values: Mapping[str, Any]) -> Any:
@@ -37,12 +36,7 @@ def _crown_run(values: Mapping[str, Any]) -> Any:
 
 
 #: Angle of the bezels: crown height = (100 - table cos(22.5 deg))/2 tan(angle) [% of the diameter].
-_CROWN_ANGLE = Alternative(
-    "crown_angle", "crown_height", 5.0, 70.0,
-    lambda angle, values: _crown_run(values) * np.tan(angle * _DEGREE),
-    lambda values: np.arctan(values["crown_height"] / _crown_run(values)) / _DEGREE,
-    ROUNDING["crown_angle"],
-)  # fmt: skip
+_CROWN_ANGLE = by_angle("crown_angle", "crown_height", _crown_run, 5.0, 70.0, ROUNDING["crown_angle"])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -24,6 +24,7 @@ from gemrender.cuts.construction import Construction
 from gemrender.cuts.construction.brilliant import Girdle, add_crown, add_girdle, add_pavilion
 from gemrender.cuts.construction.triangle import Triangle
 from gemrender.cuts.families.family import Family
+from gemrender.cuts.families.heights import by_angle
 from gemrender.cuts.families.parameters import Alternative, choice, culet, girdle_thickness, parameter
 from gemrender.cuts.laboratory import ROUNDING
 from gemrender.cuts.marks import Angle, Length, Mark, Place, Share, apex, tilt, usual_marks
@@ -124,18 +125,8 @@ class Parameters(Family):
     """
 
     ALTERNATIVES: ClassVar[tuple[Alternative, ...]] = (
-        Alternative(
-            "crown_angle", "crown_height", 5.0, 70.0,
-            lambda angle, values: _crown_run(values) * np.tan(angle * _DEGREE),
-            lambda values: np.arctan(values["crown_height"] / _crown_run(values)) / _DEGREE,
-            ROUNDING["crown_angle"],
-        ),
-        Alternative(
-            "pavilion_angle", "pavilion_depth", 20.0, 70.0,
-            lambda angle, values: _pavilion_run(values) * np.tan(angle * _DEGREE),
-            lambda values: np.arctan(values["pavilion_depth"] / _pavilion_run(values)) / _DEGREE,
-            ROUNDING["pavilion_angle"],
-        ),
+        by_angle("crown_angle", "crown_height", _crown_run, 5.0, 70.0, ROUNDING["crown_angle"]),
+        by_angle("pavilion_angle", "pavilion_depth", _pavilion_run, 20.0, 70.0, ROUNDING["pavilion_angle"]),
     )  # fmt: skip
 
     length_to_width: float = parameter(0.8, 1.15, default=0.0, unit="", or_zero=True, why="three equal sides")
