@@ -16,7 +16,7 @@ from gemrender.errors import InputError
 
 if TYPE_CHECKING:
     from gemrender.sweep.atlas import AtlasMade
-    from gemrender.sweep.atlas_plan import AtlasPlan
+    from gemrender.sweep.atlas.plan import AtlasPlan
 
 __all__ = ["MapOptions", "atlas", "show_atlas"]
 
@@ -106,8 +106,8 @@ def atlas(
         raise InputError("is one plan too many; name one", key="PLAN", value=what[1])
     if by.dask is not None and by.threads is not None:
         raise InputError("is for threads of this process, not for --dask", key="--threads", value=by.threads)
-    from gemrender.sweep.atlas_plan_file import read_plan
-    from gemrender.sweep.atlas_store import check_room
+    from gemrender.sweep.atlas.plan_file import read_plan
+    from gemrender.sweep.atlas.store import check_room
 
     plan = read_plan(what[0])
     where = out or f"{Path(what[0]).stem}.zarr"
@@ -137,8 +137,8 @@ def show_atlas(
     from gemrender.cuts import load_stone
     from gemrender.report.atlas import write_atlas_figure
     from gemrender.report.files import prepare_folder
-    from gemrender.sweep.atlas_map import atlas_map
-    from gemrender.sweep.atlas_store import open_atlas
+    from gemrender.sweep.atlas.map import atlas_map
+    from gemrender.sweep.atlas.store import open_atlas
 
     if len(names) > 1:
         raise InputError("is one too many; of an atlas, name it alone", key="STONE", value=names[1])
@@ -164,7 +164,7 @@ def show_atlas(
 
 
 def _export(names: list[str], out: str | None) -> None:
-    from gemrender.sweep.atlas_export import export_atlas
+    from gemrender.sweep.atlas.export import export_atlas
 
     if len(names) != 1:
         raise InputError("must be one atlas: gemrender atlas export STORE -o FILE.nc", key="STORE")
@@ -204,7 +204,7 @@ def _bytes(number: float) -> str:
 
 def _tell(made: AtlasMade, where: str) -> None:
     """Say what has become of the atlas, and which stones have no values."""
-    from gemrender.sweep.atlas_store import FAILED, NO_STONE
+    from gemrender.sweep.atlas.store import FAILED, NO_STONE
 
     for number, words in (
         (made.no_stone, f"make no stone (status {NO_STONE} in the atlas)"),

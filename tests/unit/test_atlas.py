@@ -15,14 +15,13 @@ import pytest
 
 import gemrender as gem
 from gemrender.errors import BackendError, InputError
-from gemrender.sweep import atlas as atlas_of
-from gemrender.sweep.atlas import make_atlas
-from gemrender.sweep.atlas_chunk import chunk_values, measure_chunk
-from gemrender.sweep.atlas_export import export_atlas
-from gemrender.sweep.atlas_map import cliffs
-from gemrender.sweep.atlas_plan import part_shape
-from gemrender.sweep.atlas_plan_file import read_plan
-from gemrender.sweep.atlas_store import DONE, NO_STONE, TO_DO, AtlasStore, open_atlas
+from gemrender.sweep.atlas import make_atlas, run
+from gemrender.sweep.atlas.chunk import chunk_values, measure_chunk
+from gemrender.sweep.atlas.export import export_atlas
+from gemrender.sweep.atlas.map import cliffs
+from gemrender.sweep.atlas.plan import part_shape
+from gemrender.sweep.atlas.plan_file import read_plan
+from gemrender.sweep.atlas.store import DONE, NO_STONE, TO_DO, AtlasStore, open_atlas
 
 #: Few rays: what is tested is not how close the values are to the truth.
 BOUND = 5.0
@@ -206,8 +205,7 @@ def test_a_measurement_that_fails_does_not_end_the_work(planned, tmp_path, monke
             raise ZeroDivisionError("by nothing")
         return chunk_values(plan, stone, tilt)
 
-    monkeypatch.setattr("gemrender.sweep.atlas_chunk.chunk_values", failing)
-    monkeypatch.setattr(atlas_of, "chunk_values", failing)
+    monkeypatch.setattr("gemrender.sweep.atlas.chunk.chunk_values", failing)
     made = make_atlas(planned(GRID.replace("[10, 40, 50, 60]", "[50, 60]")), str(tmp_path / "a.zarr"))
     assert (made.done, made.failed) == (4, 2)
     assert made.refused[0] == ("crown_angle=34.0 star=50.0", "ZeroDivisionError: by nothing")
@@ -287,8 +285,8 @@ def test_a_process_killed_with_9_goes_on(planned, tmp_path):
     code = """
         import os, signal, sys
         from gemrender.sweep.atlas import make_atlas
-        from gemrender.sweep.atlas_plan_file import read_plan
-        from gemrender.sweep.atlas_store import AtlasStore
+        from gemrender.sweep.atlas.plan_file import read_plan
+        from gemrender.sweep.atlas.store import AtlasStore
 
         write = AtlasStore.write
         def killed(store, chunk, found):
@@ -397,7 +395,7 @@ def test_an_interrupted_command_ends_with_130(gemrender, folder, monkeypatch):
     def interrupt(*arguments, **options):
         os.kill(os.getpid(), signal.SIGINT)
 
-    monkeypatch.setattr(atlas_of, "_made", interrupt)
+    monkeypatch.setattr(run, "_made", interrupt)
     assert gemrender("atlas", "grid.toml")[0] == 130
     assert len(list((folder / "grid.zarr" / "status" / "c").iterdir())) == 3
 

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import gemrender
 from gemrender.errors import BackendError, InputError
-from gemrender.sweep.atlas_chunk import measure_chunk
-from gemrender.sweep.atlas_plan import AtlasPlan
+from gemrender.sweep.atlas.chunk import measure_chunk
+from gemrender.sweep.atlas.plan import AtlasPlan
 from gemrender.sweep.workers import MOST_TRIES, terminal_signals_blocked
 
 if TYPE_CHECKING:

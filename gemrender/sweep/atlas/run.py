@@ -1,4 +1,4 @@
-"""Atlases: scores over a grid or a quasi-random design of parameters, in a store that can be gone on with."""
+"""Atlases made: the chunks that a store does not have yet, measured and written."""
 
 from __future__ import annotations
 
@@ -14,13 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from gemrender.beam import prepare
 from gemrender.errors import InputError
-from gemrender.sweep.atlas_chunk import chunk_values, measure_chunk
-from gemrender.sweep.atlas_plan import AtlasPlan
-from gemrender.sweep.atlas_store import DONE, FAILED, NO_STONE, AtlasStore
+from gemrender.sweep.atlas.plan import AtlasPlan
+from gemrender.sweep.atlas.store import DONE, FAILED, NO_STONE, AtlasStore
 
-__all__ = ["AtlasCost", "AtlasMade", "atlas_cost", "make_atlas"]
+__all__ = ["AtlasMade", "make_atlas"]
 
 #: How often it is told how far chunks are [s].
 _TICK_S = 1.0
@@ -53,36 +51,6 @@ class AtlasMade:
     measured: int
     seconds: float
     refused: tuple[tuple[str, str], ...]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class AtlasCost:
-    """What an atlas will cost, from a few of its stones.
-
-    Attributes
-    ----------
-    stones, views, chunks : int
-        Stones of the plan, views of each, and chunks.
-    bytes : int
-        Size before compression [bytes].
-    tried : int
-        Stones that were measured.
-    made : int
-        Those of them that can be made.
-    rate : float
-        Stones a second, of all threads together.
-    seconds : float
-        Time of the whole plan [s].
-    """
-
-    stones: int
-    views: int
-    chunks: int
-    bytes: int
-    tried: int
-    made: int
-    rate: float
-    seconds: float
 
 
 def make_atlas(
@@ -146,37 +114,6 @@ def make_atlas(
     return _made(store, measured, time.monotonic() - started)
 
 
-def atlas_cost(plan: AtlasPlan, *, threads: int | None = None, stones: int = 48) -> AtlasCost:
-    """Measure a few stones of a plan, spread evenly over it, by all threads, and say what all will cost."""
-    sample = plan.sample(stones)
-    prepare(rays=True)
-
-    def measured(setting: dict[str, Any]) -> bool:
-        try:
-            stone = plan.made(setting)
-        except InputError:
-            return False
-        for tilt in plan.views:
-            chunk_values(plan, stone, tilt)
-        return True
-
-    measured(sample[len(sample) // 2])  # what is worked out once in a process
-    started = time.monotonic()
-    with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
-        made = sum(pool.map(measured, sample))
-    rate = len(sample) / (time.monotonic() - started)
-    return AtlasCost(
-        stones=plan.stones,
-        views=len(plan.views),
-        chunks=plan.chunks,
-        bytes=plan.bytes,
-        tried=len(sample),
-        made=made,
-        rate=rate,
-        seconds=plan.stones / rate,
-    )
-
-
 def _size(plan: AtlasPlan, chunk: int) -> int:
     return math.prod(part.stop - part.start for part in plan.place(chunk))
 
@@ -190,7 +127,7 @@ def _results(
 ) -> Generator[tuple[int, _Found], None, None]:
     if dask is None:
         return _in_threads(plan, chunks, threads or os.cpu_count() or 1, tell)
-    from gemrender.sweep.atlas_dask import in_dask
+    from gemrender.sweep.atlas.cluster import in_dask
 
     return in_dask(plan, chunks, dask)
 
@@ -202,7 +139,8 @@ def _in_threads(
 
     Every second it tells how many stones of chunks that are not yielded have been begun.
     """
-    prepare(rays=True)
+    from gemrender.sweep.atlas.chunk import measure_chunk
+
     stopped = threading.Event()
     begun: dict[int, int] = {}
 
@@ -256,6 +194,8 @@ def _made(store: AtlasStore, measured: int, seconds: float) -> AtlasMade:
 
 def _reason(plan: AtlasPlan, setting: dict[str, Any]) -> str:
     """Say why a stone has no values: by trying again."""
+    from gemrender.sweep.atlas.chunk import chunk_values
+
     try:
         stone = plan.made(setting)
         for tilt in plan.views:

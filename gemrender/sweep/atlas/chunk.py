@@ -13,8 +13,8 @@ from gemrender.measures.inoue import Inoue
 from gemrender.observation import Measurement
 from gemrender.request import resolve
 from gemrender.stone import Stone
-from gemrender.sweep.atlas_plan import AtlasPlan
-from gemrender.sweep.atlas_store import DONE, FAILED, NO_STONE
+from gemrender.sweep.atlas.plan import AtlasPlan
+from gemrender.sweep.atlas.store import DONE, FAILED, NO_STONE
 
 __all__ = ["chunk_values", "measure_chunk"]
 
