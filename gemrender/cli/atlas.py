@@ -32,7 +32,20 @@ class WorkerOptions:
     threads: Annotated[
         int | None,
         whole_option(
-            "--threads", "Threads of this process; by default one a processor.", low=1, rich_help_panel=_WORK
+            "--threads",
+            "So many threads of one process, in place of processes.",
+            low=1,
+            rich_help_panel=_WORK,
+        ),
+    ] = None
+    processes: Annotated[
+        int | None,
+        whole_option(
+            "--processes",
+            "Processes of this machine; by default one a processor, where there is work for more than a few "
+            "seconds.",
+            low=1,
+            rich_help_panel=_WORK,
         ),
     ] = None
     dask: Annotated[
@@ -104,16 +117,16 @@ def atlas(
         return
     if len(what) > 1:
         raise InputError("is one plan too many; name one", key="PLAN", value=what[1])
-    if by.dask is not None and by.threads is not None:
-        raise InputError("is for threads of this process, not for --dask", key="--threads", value=by.threads)
     from gemrender.sweep.atlas.plan_file import read_plan
     from gemrender.sweep.atlas.store import check_room
+    from gemrender.sweep.atlas.work import check_workers
 
+    check_workers(by.threads, by.processes, by.dask)
     plan = read_plan(what[0])
     where = out or f"{Path(what[0]).stem}.zarr"
     if by.dry_run:
         check_room(plan, where)
-        _print_cost(plan, by.threads)
+        _print_cost(plan, by.threads, by.processes)
         return
     from gemrender.engines import require_engine
     from gemrender.sweep.atlas import make_atlas
@@ -121,7 +134,10 @@ def atlas(
     if by.dask is None:
         require_engine("exact", stones=[plan.stone], bound=plan.bound)
     with progress_bar(1) as steps:
-        made = make_atlas(plan, where, threads=by.threads, dask=by.dask, progress=steps(0, plan.name))
+        made = make_atlas(
+            plan, where, threads=by.threads, processes=by.processes, dask=by.dask,
+            progress=steps(0, plan.name),
+        )  # fmt: skip
     _tell(made, where)
 
 
@@ -176,11 +192,11 @@ def _export(names: list[str], out: str | None) -> None:
     say(f"written: {path}")
 
 
-def _print_cost(plan: AtlasPlan, threads: int | None) -> None:
+def _print_cost(plan: AtlasPlan, threads: int | None, processes: int | None) -> None:
     from gemrender.progress import duration_words
     from gemrender.sweep.atlas import atlas_cost
 
-    cost = atlas_cost(plan, threads=threads)
+    cost = atlas_cost(plan, threads=threads, processes=processes)
     views = f" x {cost.views} views" if cost.views > 1 else ""
     typer.echo(f"stones    {cost.stones}{views}")
     typer.echo(f"chunks    {cost.chunks}, of at most {plan.chunk} stones")

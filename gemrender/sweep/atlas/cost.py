@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -10,6 +9,7 @@ from typing import Any
 
 from gemrender.errors import InputError
 from gemrender.sweep.atlas.plan import AtlasPlan
+from gemrender.sweep.atlas.work import check_workers, workers_of
 
 __all__ = ["AtlasCost", "atlas_cost"]
 
@@ -29,7 +29,7 @@ class AtlasCost:
     made : int
         Those of them that can be made.
     rate : float
-        Stones a second, of all threads together.
+        Stones a second, of all threads or processes together.
     seconds : float
         Time of the whole plan [s].
     """
@@ -44,11 +44,30 @@ class AtlasCost:
     seconds: float
 
 
-def atlas_cost(plan: AtlasPlan, *, threads: int | None = None, stones: int = 48) -> AtlasCost:
-    """Measure a few stones of a plan, spread evenly over it, by all threads, and say what all will cost."""
+def atlas_cost(
+    plan: AtlasPlan, *, threads: int | None = None, processes: int | None = None, stones: int = 48
+) -> AtlasCost:
+    """Measure a few stones of a plan, spread evenly over it, in this process, and say what all will cost.
+
+    Parameters
+    ----------
+    plan : AtlasPlan
+        The plan.
+    threads, processes : int, optional
+        As of `make_atlas`: so many threads measure them; or one does, and all processes together are taken to
+        be so many times as fast.
+    stones : int
+        How many.
+
+    Raises
+    ------
+    InputError
+        As of `make_atlas`.
+    """
     from gemrender.beam import prepare
     from gemrender.sweep.atlas.chunk import chunk_values
 
+    check_workers(threads, processes, None)
     sample = plan.sample(stones)
     prepare(rays=True)
 
@@ -63,9 +82,11 @@ def atlas_cost(plan: AtlasPlan, *, threads: int | None = None, stones: int = 48)
 
     measured(sample[len(sample) // 2])  # what is worked out once in a process
     started = time.monotonic()
-    with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
+    with ThreadPoolExecutor(threads or 1) as pool:
         made = sum(pool.map(measured, sample))
     rate = len(sample) / (time.monotonic() - started)
+    if threads is None:
+        rate *= workers_of(threads, processes)
     return AtlasCost(
         stones=plan.stones,
         views=len(plan.views),

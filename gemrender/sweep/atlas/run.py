@@ -3,29 +3,24 @@
 from __future__ import annotations
 
 import contextlib
-import math
-import os
-import threading
 import time
-from collections.abc import Callable, Generator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from gemrender.errors import InputError
+from gemrender.sweep.atlas.parts import chunk_size
 from gemrender.sweep.atlas.plan import AtlasPlan
 from gemrender.sweep.atlas.store import DONE, FAILED, NO_STONE, AtlasStore
+from gemrender.sweep.atlas.work import check_workers, chunks_measured
+from gemrender.sweep.workers import LostProcessError
 
 __all__ = ["AtlasMade", "make_atlas"]
 
-#: How often it is told how far chunks are [s].
-_TICK_S = 1.0
 #: So many stones without values are told by name.
 _TOLD = 3
-
-_Found = dict[str, np.ndarray]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,14 +53,19 @@ def make_atlas(
     where: str,
     *,
     threads: int | None = None,
+    processes: int | None = None,
     dask: str | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> AtlasMade:
     """Measure all stones of a plan that its store does not have yet.
 
-    Chunks are measured by the threads of this process, or by the workers of a Dask cluster, in any order; it
-    is this process that writes them. Whoever measures them, and how often it was stopped, the bytes of the
-    store are the same.
+    Chunks are measured by processes of this machine, by threads of this one, or by the workers of a Dask
+    cluster, in any order; it is this process that writes them. Whoever measures them, and how often it was
+    stopped, the bytes of the store are the same.
+
+    A process that is lost, as where memory runs out, is told by the logger `gemrender`, and its work is done
+    again by the others. Processes are started by `spawn`: a script that calls this does so under
+    ``if __name__ == "__main__":``.
 
     Parameters
     ----------
@@ -74,7 +74,10 @@ def make_atlas(
     where : str
         The store: a folder, or an address that fsspec knows.
     threads : int, optional
-        Threads; by default one a processor.
+        So many threads of this process alone.
+    processes : int, optional
+        So many processes of this machine, 1 for this one alone; by default one a processor, which are started
+        only where there is work for more than a few seconds.
     dask : str, optional
         Address of a Dask scheduler, or `local` or `local:N` for N processes on this machine.
     progress : callable, optional
@@ -83,94 +86,35 @@ def make_atlas(
     Raises
     ------
     InputError
-        The store is of another plan or cannot be written; no scheduler answers.
+        The store is of another plan or cannot be written; no scheduler answers; or more than one of
+        `threads`, `processes` and `dask` is given.
     BackendError
         A package is missing, or the scheduler was lost; what is done is kept.
+    LostProcessError
+        Processes were lost again and again at the same work; what is done is kept.
     """
-    if threads is not None and threads < 1:
-        raise InputError("must be at least 1", key="threads", value=threads)
+    check_workers(threads, processes, dask)
     started = time.monotonic()
     store = AtlasStore(plan, where)
     waiting = store.to_do()
-    there = plan.stones - sum(_size(plan, chunk) for chunk in waiting)
+    told = plan.stones - sum(chunk_size(plan, chunk) for chunk in waiting)
     measured = 0
-
-    told = 0
-
-    def tell(under_way: int = 0) -> None:
-        nonlocal told
-        told = max(told, there + measured + under_way)  # a chunk that is done is no more under way
-        if progress is not None:
-            progress(told / plan.stones)
-
-    tell()
-    if waiting:
-        with contextlib.closing(_results(plan, waiting, threads, dask, tell)) as results:
-            for chunk, found in results:
-                store.write(chunk, found)
-                measured += found["status"].size
-                tell()
+    if progress is not None:
+        progress(told / plan.stones)
+    try:
+        with contextlib.closing(chunks_measured(plan, waiting, threads, processes, dask)) as results:
+            for number, done in results:
+                if done is not None:
+                    chunk, found = done
+                    store.write(chunk, found)
+                    measured += found["status"].size
+                told += number
+                if progress is not None:
+                    progress(told / plan.stones)
+    except LostProcessError as error:
+        raise LostProcessError(f"{error}; what is done is kept in {where}: run it again") from error
     store.tidy()
     return _made(store, measured, time.monotonic() - started)
-
-
-def _size(plan: AtlasPlan, chunk: int) -> int:
-    return math.prod(part.stop - part.start for part in plan.place(chunk))
-
-
-def _results(
-    plan: AtlasPlan,
-    chunks: Sequence[int],
-    threads: int | None,
-    dask: str | None,
-    tell: Callable[[int], None],
-) -> Generator[tuple[int, _Found], None, None]:
-    if dask is None:
-        return _in_threads(plan, chunks, threads or os.cpu_count() or 1, tell)
-    from gemrender.sweep.atlas.cluster import in_dask
-
-    return in_dask(plan, chunks, dask)
-
-
-def _in_threads(
-    plan: AtlasPlan, chunks: Sequence[int], threads: int, tell: Callable[[int], None]
-) -> Generator[tuple[int, _Found], None, None]:
-    """Measure chunks in threads, few of them ahead; closed, it ends after the stones that are under way.
-
-    Every second it tells how many stones of chunks that are not yielded have been begun.
-    """
-    from gemrender.sweep.atlas.chunk import measure_chunk
-
-    stopped = threading.Event()
-    begun: dict[int, int] = {}
-
-    def work(chunk: int) -> _Found | None:
-        def goes_on() -> bool:
-            begun[chunk] = begun.get(chunk, -1) + 1
-            return not stopped.is_set()
-
-        return measure_chunk(plan, chunk, goes_on)
-
-    running: dict[Future[_Found | None], int] = {}
-    waiting = iter(chunks)
-    pool = ThreadPoolExecutor(threads)
-    try:
-        while True:
-            while len(running) < 2 * threads and (chunk := next(waiting, None)) is not None:
-                running[pool.submit(work, chunk)] = chunk
-            if not running:
-                return
-            finished = wait(running, timeout=_TICK_S, return_when=FIRST_COMPLETED).done
-            if not finished:
-                tell(sum(list(begun.values())))
-            for future in finished:
-                chunk = running.pop(future)
-                begun.pop(chunk, None)
-                if (found := future.result()) is not None:
-                    yield chunk, found
-    finally:
-        stopped.set()
-        pool.shutdown(cancel_futures=True)
 
 
 def _made(store: AtlasStore, measured: int, seconds: float) -> AtlasMade:
