@@ -21,6 +21,8 @@ __all__ = ["render"]
 
 #: Headings of the help.
 PICTURE, FILM = "Picture", "Film"
+#: Tone curves, those of set-ups.
+CURVES = ("linear", "filmic", "contrast", "neutral", "agx")
 
 
 @command
@@ -99,15 +101,15 @@ def render(
         ),
     ] = 0.0,
     curve: Annotated[
-        str,
+        str | None,
         choice_option(
             "--curve",
-            ("linear", "filmic"),
-            "Tone curve of all but EXR pictures.",
+            CURVES,
+            "Tone curve of all but EXR pictures; by default the set-up's.",
             metavar="CURVE",
             rich_help_panel=PICTURE,
         ),
-    ] = "filmic",
+    ] = None,
     bins: Annotated[
         int | None,
         whole_option("--bins", "Spectral bins of an EXR picture.", low=1, high=200, rich_help_panel=PICTURE),
@@ -165,7 +167,7 @@ def render(
         require_denoiser()
     prepare_folder(path.parent)
     check_place(path)
-    shown: dict[str, Any] = {"ev": exposure, "curve": curve, "denoise": denoise}
+    shown: dict[str, Any] = {"ev": exposure, "curve": curve or around.curve, "denoise": denoise}
     if frames is not None:
         check_film(path, width, height, frames, fps)
         _film(path, gems, around, frames=frames, fps=fps, **shown, **options)
@@ -182,8 +184,8 @@ def _still(
     with progress_bar(1) as step:
         picture = render_picture(gems, setup, progress=step(0, "rendering"), **options)
     if denoise:
-        picture = denoised(picture)
-    exposure = exposure_of(picture, setup, ev=ev)
+        picture = denoised(picture, clamp=path.suffix.lower() != ".exr")
+    exposure = exposure_of(picture, setup, ev=ev, curve=curve)
     about = {
         "Title": ", ".join(f"{gem.stone.name} ({gem.material.name})" for gem in gems),
         "Description": f"set-up {setup.name}, {picture.samples} samples a pixel",

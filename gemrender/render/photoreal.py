@@ -85,6 +85,10 @@ class Picture:
         Why it ended.
     foreground : Foreground or None
         The stones alone, where the background is transparent.
+    halves : (2, h, w) float32 or None
+        Luminance by each of two independent halves of the samples; None of a single pass, and after a change.
+    clamped : int
+        Pixels whose luminance was brought down for the screen, as fireflies.
     """
 
     xyz: np.ndarray
@@ -100,6 +104,8 @@ class Picture:
     seconds: float
     stopped: str
     foreground: Foreground | None = None
+    halves: np.ndarray | None = None
+    clamped: int = 0
 
 
 def make_gems(
@@ -281,6 +287,7 @@ def render(
         seconds=time.perf_counter() - started,
         stopped=stopped,
         foreground=_foreground(passes),
+        halves=passes.halves,
     )
 
 
