@@ -25,6 +25,10 @@ __all__ = ["KEPT_BY_WAY", "by_tiers", "design_unit", "parameters_of_stone", "tie
 #: What `Derivative.kept` says where meets are free, loose and kept.
 KEPT_BY_WAY = {"free": "tiers", "loose": "middles", "kept": "meets"}
 
+#: Facets that meet are moved apart by this, at random [stone's unit]: far beyond rounding, which else makes
+#: edges of no length of them that point anywhere; slopes change by 1e-9 of themselves.
+_APART = 1e-12
+
 
 def tier_planes(stone: Stone, design: Design, tier: int, quantity: str) -> np.ndarray:
     """Return a design's planes, (p, 4) complex128, with their derivatives by a tier's angle or distance.
@@ -82,13 +86,18 @@ def by_tiers(
     unit = design_unit(stone, design)
     derivatives, scores = [], np.zeros(2)
     angles, distances = values_of(design)
+    apart = _APART * np.random.default_rng(1).uniform(-1.0, 1.0, len(stone.facets))
     for done, (tier, quantity) in enumerate(parameters, start=1):
         with contextlib.suppress(InputError):
             by_angle, by_distance = ways.slopes(tier, quantity)
             moving = with_tiers(
-                design, (angles + 1j * STEP * by_angle).tolist(), (distances + 1j * STEP * by_distance).tolist()
+                design,
+                (angles + 1j * STEP * by_angle).tolist(),
+                (distances + 1j * STEP * by_distance).tolist(),
             )
             planes = _in_stone(stone, moving)
+            if meets == "kept":
+                planes[:, 3] += apart
             scores, slopes = score_slopes(tally, facet_sides(convex, planes, tally, whole=True))
             is_angle = quantity == "angle_deg"
             if not is_angle:  # a distance counts in per cent of the stone's unit

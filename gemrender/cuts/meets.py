@@ -18,7 +18,7 @@ made linear, and solved in turn (`least_change`).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import NoReturn
+from itertools import pairwise
 
 import numpy as np
 
@@ -30,7 +30,6 @@ from gemrender.cuts.turning import (
     Loose,
     Quantity,
     check_changes,
-    has_angle,
     middles_of_tiers,
     parameter_name,
     tier_parameters,
@@ -44,9 +43,9 @@ from gemrender.stone.solid import LEAST_AREA
 
 __all__ = ["KEPT", "SAME_CORNER", "WAYS", "Meets", "changeable"]
 
-#: Corners that are joined by an edge shorter than this are one meet [share of the solid's size]; where not all
-#: of them can be closed, as they contradict each other by a little, those of edges shorter than the next. Of
-#: the edges of real files none but slips are between 0.003 and 0.012; 0.003 is 0.03 mm of 10 mm.
+#: Corners that are joined by an edge shorter than this are one meet [share of the solid's size]; where not
+#: all of them can be closed, as they contradict each other by a little, those of edges shorter than the next.
+#: Of the edges of real files none but slips are between 0.003 and 0.012; 0.003 is 0.03 mm of 10 mm.
 SAME_CORNER = (3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 1e-6, 1e-7, 1e-8)
 #: Meets are met to this, and so is what is kept [share of the solid's size].
 KEPT = 1e-9
@@ -61,6 +60,8 @@ _STEP = 1e-30
 #: distances alone wherever that will do.
 _CHANGED = ("girdle", "angles", "level", "distances")
 _CLOSED = ("angles", "girdle", "level", "distances")
+
+_SIDES = ("crown", "girdle", "pavilion")
 
 #: What is kept, by name: derivatives by the unknowns (m, u), and values (m,).
 _Kept = dict[str, tuple[np.ndarray, np.ndarray]]
@@ -167,7 +168,9 @@ class Meets(Free):
             ))  # fmt: skip
             points.append(point[..., 0])
             moves.append(-inverse @ by)
-            sides.append([(self._sides[tiers] == side).any(axis=1) for side in ("crown", "girdle", "pavilion")])
+            sides.append(
+                [(self._sides[tiers] == side).any(axis=1) for side in ("crown", "girdle", "pavilion")]
+            )
             level.append((tiers[..., None] == np.flatnonzero(angles == 0.0)).any(axis=1))
         point, move = np.concatenate(points), np.concatenate(moves)
         crown, girdle, pavilion = np.concatenate(sides, axis=1)
@@ -288,7 +291,7 @@ class Meets(Free):
             if length < _SHORT:
                 self._check(design, kept, asked)
                 return design
-        self._refuse(kept, asked)
+        raise self._refusal(kept, asked)
 
     def _moved(self, design: Design, step: np.ndarray) -> Design | None:
         """Return the design a step further; None where a tier would leave its side, or pass the origin."""
@@ -305,33 +308,33 @@ class Meets(Free):
     def _check(self, design: Design, kept: _Kept, asked: Mapping[int, float]) -> None:
         """Refuse a design that has lost a meet or its girdle."""
         if np.abs(kept["meets"][1]).max(initial=0.0) > KEPT:
-            self._refuse(kept, asked)
+            raise self._refusal(kept, asked)
         walls = any(self._sides[self._unknowns[place][0]] == "girdle" for place in asked)
         if asked and not walls and np.abs(kept["girdle"][1] - self._base["girdle"][1]).max() > KEPT:
-            self._refuse(kept, asked, "the girdle would change")
+            raise self._refusal(kept, asked, "the girdle would change")
         planes = design.planes().real / [1.0, 1.0, 1.0, self._size]
         for at in self.corners:
             point = np.linalg.lstsq(planes[at, :3], planes[at, 3], rcond=None)[0]
             outside = np.flatnonzero(planes[:, :3] @ point - planes[:, 3] > self._outside)
             if len(outside):
-                self._refuse(
+                raise self._refusal(
                     kept, asked, f"{self._listed(outside[:1])} would cut away where {self._listed(at)} meet"
                 )
 
-    def _refuse(self, kept: _Kept, asked: Mapping[int, float], why: str = "") -> NoReturn:
-        """Say why the meets cannot be kept, or else which is missed most."""
+    def _refusal(self, kept: _Kept, asked: Mapping[int, float], why: str = "") -> InputError:
+        """Say why meets cannot be kept, or which of them is missed most."""
         if not why:
             ends = np.cumsum([0, *(len(at) - 3 for at in self.corners)])
-            off = [np.abs(kept["meets"][1][a:b]).max() for a, b in zip(ends[:-1], ends[1:], strict=True)]
+            off = [np.abs(kept["meets"][1][a:b]).max() for a, b in pairwise(ends)]
             worst = f" where {self._listed(self.corners[int(np.argmax(off))])} meet" if off else ""
             why = f"no other angles and distances are found that keep the corner{worst}"
         if not asked:
-            raise InputError(f"facets miss their meets, and cannot be made to meet: {why}", key="meets")
+            return InputError(f"facets miss their meets, and cannot be made to meet: {why}", key="meets")
         own = self._values(self.design)
         place = max(asked, key=lambda number: abs(asked[number] - own[number]))
         tier, quantity = self._unknowns[place]
         value = asked[place] / self._scale(quantity)
-        raise InputError(
+        return InputError(
             f"meets cannot be kept: {why}",
             key=parameter_name(self.design, tier, quantity),
             value=f"{abs(value):.6g}",
@@ -340,8 +343,8 @@ class Meets(Free):
     def _listed(self, facets: np.ndarray) -> str:
         """Name the tiers of facets, each once."""
         names = self.design.tier_names()
-        words = list(dict.fromkeys(names[self._of_tier[number]] for number in facets.tolist()))
-        return ", ".join(words[:-1]) + (" and " if words[:-1] else "") + words[-1]
+        *words, last = dict.fromkeys(names[int(self._of_tier[number])] for number in facets.tolist())
+        return f"{', '.join(words)} and {last}" if words else last
 
 
 #: What becomes of meets where a tier changes: the tier's other number and all other tiers stay ("free"), the

@@ -13,8 +13,8 @@ from gemrender.errors import InputError
 from gemrender.stone.polyhedron import Polyhedron, intersect
 
 __all__ = [
-    "Changes", "Free", "Loose", "Quantity", "check_changes", "has_angle", "middles_of_tiers", "parameter_name",
-    "tier_parameters", "turned_distances", "values_of", "with_tiers",
+    "Changes", "Free", "Loose", "Quantity", "check_changes", "has_angle", "middles_of_tiers",
+    "parameter_name", "tier_parameters", "turned_distances", "values_of", "with_tiers",
 ]  # fmt: skip
 
 #: What of a tier can be changed.
