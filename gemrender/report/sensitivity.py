@@ -49,7 +49,7 @@ def parameter_name(derivative: Derivative | Cliff) -> str:
     """Return the parameter in words, with what is kept where that matters."""
     name = _NAMES.get(derivative.parameter)
     if name is None:
-        is_tier = derivative.kept == "tiers"
+        is_tier = derivative.kept in ("tiers", "middles", "meets")
         name = derivative.parameter if is_tier else derivative.parameter.replace("_", " ").capitalize()
     if derivative.parameter in ("table", "culet"):
         name += ", heights kept" if derivative.kept == "proportions" else ", angles kept"
