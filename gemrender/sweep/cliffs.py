@@ -127,7 +127,7 @@ class Cliff:
         return out | {"jumps": jumps}
 
 
-def check_reach(reach: float | None, threshold: float) -> None:
+def check_reach(reach: float | None, threshold: float = THRESHOLD) -> None:
     """Refuse how far cliffs are looked for, and how large they must be, if that cannot be.
 
     Raises
@@ -142,7 +142,7 @@ def check_reach(reach: float | None, threshold: float) -> None:
 
 def find_cliffs(
     stone: Stone,
-    parameters: Sequence[str] | None = None,
+    parameters: Sequence[str | Parameter] | None = None,
     *,
     measures: str | Measure | Iterable[str | Measure] = "inoue",
     view: View | None = None,
@@ -162,8 +162,8 @@ def find_cliffs(
     ----------
     stone : Stone
         A stone made from proportions or angles, from the parameters of a family, or from a design.
-    parameters : sequence of str, optional
-        Their names (`parameters_of`); by default all.
+    parameters : sequence of str or Parameter, optional
+        Their names (`parameters_of`), or parameters of your own; by default all.
     measures : str, Measure, or iterable of them
         What to look at, as `gemrender.measures.chosen_measures` takes it. Values in per cent tell where a
         jump is, but for bands of intensity; of all of them its size is told.
@@ -183,7 +183,7 @@ def find_cliffs(
     Returns
     -------
     tuple of Cliff
-        Two for each parameter, below and above it.
+        Two for each parameter, below and above it; those of your own come last.
 
     Raises
     ------
@@ -195,7 +195,6 @@ def find_cliffs(
     Two jumps within one step, a fiftieth of the reach, that cancel each other are not seen, nor is one that a
     steep slope the other way hides by half of the threshold.
     """
-    check_differentiable(stone)
     check_reach(reach, threshold)
     chosen = chosen_measures(measures)
     counts = np.array([_counts(of.unit, key) for of in chosen for key in of.keys])
@@ -205,13 +204,14 @@ def find_cliffs(
     view, model = resolve(stone, view, model, short)
     if isinstance(stone.cut, Design) and model.rear == "position":
         model = replace(model, rear="facet")  # as `by_tiers`: the girdle's edge does not stay level
-    moving = parameters_of(stone, meets)
-    if parameters is not None:
-        known = dict.fromkeys(of.name for of in moving)
-        for name in parameters:
-            if name not in known:
-                raise InputError(f"must be one of {', '.join(known)}", key="parameter", value=name)
-        moving = [of for of in moving if of.name in parameters]
+    listed = [of for of in parameters or () if isinstance(of, str)]
+    moving = [of for of in parameters or () if isinstance(of, Parameter)]
+    if listed or parameters is None:
+        known = parameters_of(stone, meets)
+        for wanted in listed:
+            if wanted not in (allowed := dict.fromkeys(of.name for of in known)):
+                raise InputError(f"must be one of {', '.join(allowed)}", key="parameter", value=wanted)
+        moving = [*(of for of in known if of.name in listed or parameters is None), *moving]
     values = partial(_values, measures=chosen, view=view, model=model, head_deg=head, bound=bound, seed=seed)
     here, found = values(stone), []
     for place, parameter in enumerate(moving):
