@@ -69,7 +69,7 @@ def planned(measures: str, bound: float, number: int, workers: int) -> AtlasPlan
         path = Path(folder, "plan.toml")
         path.write_text(PLAN.format(measures=measures, bound=bound, number=number))
         plan = read_plan(path)
-    return replace(plan, chunk=min(plan.chunk, max(number // (16 * workers), 1)))
+    return replace(plan, chunk=min(plan.chunk, max(number // (4 * workers), 1)))
 
 
 def timed(plan: AtlasPlan, workers: int, **options: Any) -> Run:
