@@ -23,8 +23,8 @@ __all__ = ["in_dask"]
 
 #: How long a scheduler may take to answer, and how long it may have no worker [s].
 _ANSWER_S, _WORKERS_S = 10, 120
-#: Of Dask, for clusters that are started here. Workers neither look every 10 ms at what they do, nor give back
-#: memory after every stone that they take again for the next one [bytes].
+#: Of Dask, for clusters that are started here: workers are not looked at every 10 ms, and do not give back
+#: the memory of every stone, which the next one takes again [bytes].
 _SETTINGS = {
     "distributed.scheduler.allowed-failures": MOST_TRIES,
     "distributed.worker.profile.enabled": False,
