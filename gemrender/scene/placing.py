@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +15,7 @@ from gemrender.stone import Stone, StoneMesh, tessellate
 if TYPE_CHECKING:
     from gemrender.scene.setup import Camera
 
-__all__ = ["Placed", "frame", "place", "towards"]
+__all__ = ["Placed", "about_z", "frame", "place", "towards"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -57,14 +58,16 @@ class Placed:
 
     def turned(self, turn_deg: float) -> Placed:
         """Return it turned about the vertical through the origin, anticlockwise seen from above [deg]."""
-        turn = _about_z(np.radians(turn_deg))
-        return Placed(
-            name=self.name,
-            mesh=self.mesh,
-            rotation=turn @ self.rotation,
-            scale=self.scale,
-            shift=turn @ self.shift,
-        )
+        return self.rotated(about_z(np.radians(turn_deg)), about=np.zeros(3))
+
+    def rotated(self, rotation: np.ndarray, *, about: np.ndarray) -> Placed:
+        """Return it after a rotation (3, 3) about a point (3,) [scene unit]."""
+        shift = about + rotation @ (self.shift - about)
+        return replace(self, rotation=rotation @ self.rotation, shift=shift)
+
+    def shifted(self, by: np.ndarray) -> Placed:
+        """Return it moved by a vector (3,) [scene unit]."""
+        return replace(self, shift=self.shift + by)
 
 
 def place(
@@ -87,7 +90,7 @@ def place(
     sizes : list of float
         The unit of each, such as the girdle radius [scene unit].
     """
-    across = _about_z(np.radians(azimuth_deg + 90)) @ np.array([1.0, 0.0, 0.0])
+    across = about_z(np.radians(azimuth_deg + 90)) @ np.array([1.0, 0.0, 0.0])
     placed, edge = [], 0.0
     for stone, size in zip(stones, sizes, strict=True):
         rotation = _rotation(stone, pose, azimuth_deg + facing_deg)
@@ -114,7 +117,7 @@ def towards(elevation_deg: float, azimuth_deg: float) -> np.ndarray:
 
 
 def frame(
-    camera: Camera, placed: list[Placed], target: np.ndarray, aspect: float, turns_deg: list[float]
+    camera: Camera, stones: Iterable[Placed], target: np.ndarray, aspect: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
     """Return where the camera stands, its right and up, and half the width that it sees.
 
@@ -122,8 +125,8 @@ def frame(
     ----------
     camera : Camera
         The camera.
-    placed : list of Placed
-        What it must see, in all turns `turns_deg` [deg].
+    stones : iterable of Placed
+        What it must see; those that move in all their places.
     target : (3,) float64
         What it looks at.
     aspect : float
@@ -140,24 +143,23 @@ def frame(
         A stone is beside or behind the camera.
     """
     back = towards(camera.elevation, camera.azimuth)
-    right = _about_z(np.radians(camera.azimuth + 90)) @ np.array([1.0, 0.0, 0.0])
+    right = about_z(np.radians(camera.azimuth + 90)) @ np.array([1.0, 0.0, 0.0])
     up = np.cross(back, right)
     origin = target + camera.distance * back
     half = 0.0
-    for turn in turns_deg:
-        for stone in placed:
-            to = stone.turned(turn).points() - origin
-            depth = -to @ back
-            if depth.min() <= 0.02 * camera.distance:
-                raise InputError(
-                    f"is too near to see {stone.name} from outside; its front is "
-                    f"{camera.distance - depth.min():.3g} girdle radii from the middle",
-                    key="camera.distance",
-                    value=camera.distance,
-                )
-            magnified = 1.0 if camera.type == "orthographic" else camera.distance / depth
-            x, y = np.abs(to @ right) * magnified, np.abs(to @ up) * magnified
-            half = max(half, float(x.max()), float(y.max()) * aspect)
+    for stone in stones:
+        to = stone.points() - origin
+        depth = -to @ back
+        if depth.min() <= 0.02 * camera.distance:
+            raise InputError(
+                f"is too near to see {stone.name} from outside; its front is "
+                f"{camera.distance - depth.min():.3g} girdle radii from the middle",
+                key="camera.distance",
+                value=camera.distance,
+            )
+        magnified = 1.0 if camera.type == "orthographic" else camera.distance / depth
+        x, y = np.abs(to @ right) * magnified, np.abs(to @ up) * magnified
+        half = max(half, float(x.max()), float(y.max()) * aspect)
     return origin, right, up, half * camera.margin
 
 
@@ -169,7 +171,7 @@ def _rotation(stone: Stone, pose: str, azimuth_deg: float) -> np.ndarray:
         return np.diag([1.0, -1.0, -1.0])
     tilt = _onto(resting_plane(stone), np.array([0.0, 0.0, -1.0]))
     table = tilt @ np.array([0.0, 0.0, 1.0])
-    return np.asarray(_about_z(np.radians(azimuth_deg) - np.arctan2(table[1], table[0])) @ tilt)
+    return np.asarray(about_z(np.radians(azimuth_deg) - np.arctan2(table[1], table[0])) @ tilt)
 
 
 def _onto(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -179,6 +181,7 @@ def _onto(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.asarray(np.eye(3) + cross + cross @ cross / (1 + cos))
 
 
-def _about_z(angle: float) -> np.ndarray:
+def about_z(angle: float) -> np.ndarray:
+    """Return the rotation (3, 3) about the vertical, anticlockwise seen from above [rad]."""
     cos, sin = np.cos(angle), np.sin(angle)
     return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
