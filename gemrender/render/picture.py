@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from gemrender.errors import BackendError
+from gemrender.paths import library
 from gemrender.scene.photoreal import Gem, title_of
 from gemrender.scene.setup import Setup, Sky
 
@@ -194,10 +193,6 @@ class Picture:
         BackendError
             xarray is not installed.
         """
-        try:
-            xarray = importlib.import_module("xarray")
-        except ImportError as error:
-            raise BackendError("xarray is needed for this; to get it: pip install xarray") from error
         arrays: dict[str, Any] = {
             "xyz": (("y", "x", "tristimulus"), self.xyz),
             "albedo": (("y", "x", "rgb"), self.albedo),
@@ -217,7 +212,7 @@ class Picture:
             arrays["foreground_xyz"] = (("y", "x", "tristimulus"), self.foreground.xyz)
             arrays["foreground_normal"] = (("y", "x", "axis"), self.foreground.normal)
             arrays["foreground_alpha"] = (("y", "x"), self.foreground.alpha)
-        return xarray.Dataset(arrays, coords=places, attrs=self.metadata)
+        return library("xarray").Dataset(arrays, coords=places, attrs=self.metadata)
 
     def _repr_png_(self) -> bytes:
         """Return the PNG file that `save` writes: what notebooks show."""
