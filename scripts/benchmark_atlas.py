@@ -19,9 +19,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from gemrender.sweep.atlas import make_atlas
-from gemrender.sweep.atlas_chunk import chunk_values
-from gemrender.sweep.atlas_plan import AtlasPlan
-from gemrender.sweep.atlas_plan_file import read_plan
+from gemrender.sweep.atlas.chunk import chunk_values
+from gemrender.sweep.atlas.plan import AtlasPlan
+from gemrender.sweep.atlas.plan_file import read_plan
 
 PLAN = """
 stone = "gia-excellent"

@@ -29,6 +29,8 @@ PICTURE, FILM = "Picture", "Film"
 MOVES = ("turntable", "rock", "tilt")
 #: What the shell completes; any other may be asked for.
 ASPECTS = ("1:1", "4:5", "9:16", "3:2", "16:9")
+#: Tone curves, those of set-ups.
+CURVES = ("linear", "filmic", "contrast", "neutral", "agx")
 
 
 @command
@@ -115,15 +117,15 @@ def render(
         ),
     ] = 0.0,
     curve: Annotated[
-        str,
+        str | None,
         choice_option(
             "--curve",
-            ("linear", "filmic"),
-            "Tone curve of all but EXR pictures.",
+            CURVES,
+            "Tone curve of all but EXR pictures; by default the set-up's.",
             metavar="CURVE",
             rich_help_panel=PICTURE,
         ),
-    ] = "filmic",
+    ] = None,
     bins: Annotated[
         int | None,
         whole_option("--bins", "Spectral bins of an EXR picture.", low=1, high=200, rich_help_panel=PICTURE),

@@ -94,9 +94,9 @@ def render_film(
             if picture.stopped == "interrupted":  # a frame that is not done is none
                 raise KeyboardInterrupt
             if denoise:
-                picture = denoised(picture)
+                picture = denoised(picture, clamp=True)
             if exposure is None:
-                exposure = exposure_of(picture, setup, ev=ev)
+                exposure = exposure_of(picture, setup, ev=ev, curve=curve)
             write_png(file, developed(picture, setup, exposure=exposure, curve=curve))
             journal.add(k, exposure, _digest(file))
         # Encoded in there first, where what a killed process leaves is found and removed.

@@ -38,7 +38,7 @@ def render(
     background: str = "setup",
     denoise: bool = False,
     exposure: float = 0.0,
-    curve: str = "filmic",
+    curve: str | None = None,
     bins: int | None = None,
     range: str | Sequence[float] = (380.0, 760.0),  # noqa: A002 (the option's name)
     on_pass: Callable[[Picture, float], object] | None = None,
@@ -50,6 +50,9 @@ def render(
 
         picture = gemrender.render("inoue-3", setup="velvet", size=512, spp=64)
         picture.save("velvet.png")
+
+        display = IPython.display.display(display_id=True)  # a notebook shows it as it gets better
+        gemrender.render("inoue-3", on_pass=lambda so_far, share: display.update(so_far))
 
     It is what the command `gemrender render` does, with its options by their names. It ends at a number of
     samples, at a noise, or after a time, whichever comes first; Ctrl-C ends it too, and keeps the passes that
@@ -91,8 +94,8 @@ def render(
         Whether the picture is denoised in the end; needs mitsuba-oidn.
     exposure : float
         Correction of the automatic exposure [stops].
-    curve : str
-        Tone curve of all but EXR pictures, of `gemrender.render.develop.CURVES`.
+    curve : {"linear", "filmic", "contrast", "neutral", "agx"}, optional
+        Tone curve of all but EXR pictures; by default the set-up's.
     bins : int, optional
         Number of spectral bins, up to 200.
     range : (float, float)

@@ -223,6 +223,7 @@ def render(
             seconds=time.perf_counter() - started,
             stopped=stopped,
             foreground=_foreground(passes),
+            halves=passes.halves,
             gems=tuple(gems),
             setup=setup,
             seed=seed,

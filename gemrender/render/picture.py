@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -41,7 +42,7 @@ class Foreground:
     alpha: np.ndarray
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Picture:
     """What was rendered, in linear values; in a notebook it shows itself.
 
@@ -71,6 +72,12 @@ class Picture:
         Why it ended.
     foreground : Foreground or None
         The stones alone, where the background is transparent.
+    halves : (2, h, w) float32 or None
+        Luminance by each of two independent halves of the samples; None of a single pass, and after a change.
+    clamped : int
+        Pixels whose luminance was brought down for the screen, as fireflies.
+    noisy : Picture or None
+        What was rendered, where this is that after the denoiser.
     gems : tuple of Gem
         The stones, with material and size.
     setup : Setup
@@ -80,7 +87,7 @@ class Picture:
     ev : float
         Correction of the automatic exposure [stops].
     curve : str
-        Tone curve of all but EXR pictures, of `gemrender.render.develop.CURVES`.
+        Tone curve of all but EXR pictures, of `gemrender.render.curves.CURVES`.
     """
 
     xyz: np.ndarray
@@ -96,6 +103,9 @@ class Picture:
     seconds: float
     stopped: str
     foreground: Foreground | None = None
+    halves: np.ndarray | None = None
+    clamped: int = 0
+    noisy: Picture | None = None
     gems: tuple[Gem, ...] = ()
     setup: Setup = _NO_SETUP
     seed: int = 0
@@ -122,12 +132,19 @@ class Picture:
             "Description": f"set-up {self.setup.name}, {self.samples} samples a pixel",
         }
 
+    @cached_property
+    def for_screen(self) -> Picture:
+        """What is developed: the picture itself; denoised, one whose fireflies were clamped before."""
+        from gemrender.render.finish import denoised
+
+        return self if self.noisy is None else denoised(self.noisy, clamp=True)
+
     @property
     def exposure(self) -> float:
         """Factor that luminance is multiplied by for the screen, its correction included."""
         from gemrender.render.finish import exposure_of
 
-        return exposure_of(self, self.setup, ev=self.ev)
+        return exposure_of(self.for_screen, self.setup, ev=self.ev, curve=self.curve)
 
     @property
     def metadata(self) -> dict[str, Any]:
@@ -156,7 +173,7 @@ class Picture:
         """Return it for the screen, uint8 sRGB: (h, w, 3), or (h, w, 4) with a foreground's alpha."""
         from gemrender.render.finish import developed
 
-        return developed(self, self.setup, exposure=self.exposure, curve=self.curve)
+        return developed(self.for_screen, self.setup, exposure=self.exposure, curve=self.curve)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write it as `gemrender render` does; return the path.
@@ -178,8 +195,9 @@ class Picture:
 
         height, width = self.coverage.shape
         output_kind(path, transparent=self.foreground is not None, size=(width, height))
+        shown = self if Path(path).suffix.lower() == ".exr" else self.for_screen
         return write_picture(
-            path, self, self.setup, exposure=self.exposure, curve=self.curve, about=self.about
+            path, shown, self.setup, exposure=self.exposure, curve=self.curve, about=self.about
         )
 
     def to_xarray(self) -> Any:
@@ -216,6 +234,8 @@ class Picture:
 
     def _repr_png_(self) -> bytes:
         """Return the PNG file that `save` writes: what notebooks show."""
+        from gemrender.render.finish import for_screen
         from gemrender.render.picture_files import png_bytes
 
-        return png_bytes(self.rgb8(), self.about)
+        look: dict[str, Any] = {"exposure": self.exposure, "curve": self.curve, "about": self.about}
+        return png_bytes(*for_screen(self.for_screen, self.setup, **look))

@@ -17,7 +17,8 @@ from gemrender.cuts import load_stone
 from gemrender.errors import InputError
 from gemrender.reading import did_you_mean
 from gemrender.render import photoreal
-from gemrender.render.develop import CURVES, EV_LIMIT
+from gemrender.render.curves import CURVES
+from gemrender.render.develop import EV_LIMIT
 from gemrender.render.formats import Background
 from gemrender.render.passes import check_range
 from gemrender.render.picture import Picture
@@ -101,7 +102,7 @@ class Shot:
         if self.denoise:
             from gemrender.render.finish import denoised
 
-            picture = denoised(picture)
+            picture = replace(denoised(picture), noisy=picture)
         return replace(picture, **look)
 
     def film(
@@ -186,7 +187,7 @@ def prepare(
     background: str = "setup",
     denoise: bool = False,
     exposure: float = 0.0,
-    curve: str = "filmic",
+    curve: str | None = None,
     bins: int | None = None,
     range: str | Sequence[float] = (380.0, 760.0),  # noqa: A002 (the option's name)
 ) -> Shot:
@@ -194,7 +195,8 @@ def prepare(
     if quality is not None:
         _word("quality", quality, tuple(Quality))
     _word("background", background, tuple(Background))
-    _word("curve", curve, CURVES)
+    if curve is not None:
+        _word("curve", curve, tuple(CURVES))
     width_height = picture_size(size, aspect)
     ends = ends_of(
         None if quality is None else Quality(quality),
@@ -229,7 +231,7 @@ def prepare(
         variant=variant,
         turn_deg=_number("turn", turn),
         ev=float(exposure),
-        curve=curve,
+        curve=curve or around.curve,
         bins_nm=bins_nm,
     )
 

@@ -97,7 +97,7 @@ class Move:
         azimuth_deg : float
             Azimuth of the camera [deg].
         on_ground : bool
-            Whether they are rocked and tilted on the plane z = 0, which they then touch, or in the air.
+            Whether they are rocked and tilted on the ground, which they go on touching, or in the air.
         """
         angle = self.angle_deg(share)
         if self.type == "turntable":
@@ -111,7 +111,8 @@ class Move:
             points = stone.points()
             turned = stone.rotated(rotation, about=0.5 * (points.min(axis=0) + points.max(axis=0)))
             if on_ground:
-                turned = turned.shifted(np.array([0.0, 0.0, -turned.points()[:, 2].min()]))
+                sunk = points[:, 2].min() - turned.points()[:, 2].min()
+                turned = turned.shifted(np.array([0.0, 0.0, sunk]))
             moved.append(turned)
         return moved
 

@@ -26,6 +26,7 @@ from gemrender.scene.zones import Zone, zones_of
 
 __all__ = [
     "CAMERAS",
+    "CURVES",
     "EXPOSURES",
     "GROUNDS",
     "LIGHTS",
@@ -44,7 +45,9 @@ CAMERAS = ("perspective", "thin-lens", "orthographic")
 LIGHTS = ("rectangle", "disc", "ring", "sphere")
 SKIES = ("uniform", "hemisphere", "zones")
 GROUNDS = ("none", "plane", "sweep", "cup")
-EXPOSURES = ("stones", "ground", "light")
+EXPOSURES = ("stones", "ground", "white", "light")
+#: Tone curves; what they do is in `gemrender.render.curves`.
+CURVES = ("linear", "filmic", "contrast", "neutral", "agx")
 POSES = ("table-up", "lying", "table-down")
 
 
@@ -223,11 +226,14 @@ class Setup:
         Between stones that stand side by side [girdle radius].
     white : str or float
         The light that is white in the picture, as a light's spectrum.
-    expose_for : {"stones", "ground", "light"}
-        What the automatic exposure goes by: the stones; the ground, as one exposes for white paper; or the
-        light: a radiance of 1 is white, so that pictures of different stones can be compared.
+    expose_for : {"stones", "ground", "white", "light"}
+        What the automatic exposure goes by: the stones; the ground, which comes out light; the ground as what
+        is white, in brightness and colour, as of a product on white paper; or the light: a radiance of 1 is
+        white, so that pictures of different stones can be compared.
     exposure : float
         Correction of the automatic exposure [stops].
+    curve : {"linear", "filmic", "contrast", "neutral", "agx"}
+        Tone curve of pictures for the screen.
     camera, lights, sky, ground
         The parts.
     source : str or None
@@ -242,6 +248,7 @@ class Setup:
     white: str | float = "d65"
     expose_for: str = "stones"
     exposure: float = 0.0
+    curve: str = "filmic"
     camera: Camera = field(default_factory=Camera)
     lights: tuple[Light, ...] = ()
     sky: Sky = field(default_factory=Sky)
@@ -252,6 +259,7 @@ class Setup:
         with Mistakes() as mistakes:
             mistakes.of(check.one_of, self, "pose", POSES)
             mistakes.of(check.one_of, self, "expose_for", EXPOSURES)
+            mistakes.of(check.one_of, self, "curve", CURVES)
             mistakes.of(check.within, self, "facing", -360, 360)
             mistakes.of(check.within, self, "gap", 0.01, 100)
             mistakes.of(check.within, self, "exposure", -20, 20)
@@ -287,7 +295,7 @@ def load_setup(setup: str | os.PathLike[str]) -> Setup:
         mistakes.of(refuse_unknown, top, [*keys, "light"])
         values: dict[str, Any] = {
             key: top[key]
-            for key in ("pose", "facing", "gap", "white", "expose_for", "exposure")
+            for key in ("pose", "facing", "gap", "white", "expose_for", "exposure", "curve")
             if key in top
         }
         values["name"] = mistakes.of(text_line, top, "name", stem(path, "set-up"), 100)

@@ -76,6 +76,20 @@ def test_without_xarray_one_line_names_the_cure(picture, monkeypatch):
         picture.to_xarray()
 
 
+def test_denoised_it_is_what_the_command_writes(render):
+    """In an EXR as it is, on the screen with fireflies clamped before."""
+    pytest.importorskip("mitsuba_oidn")
+    smooth = gemrender.render("inoue-3", "velvet", size=24, spp=16, denoise=True)
+    words = ["--setup", "velvet", "--size", 24, "--spp", 16, "--denoise"]
+    for name in ("command.exr", "command.png"):
+        render("inoue-3", "-o", name, *words)
+        assert smooth.save("python" + name[-4:]).read_bytes() == Path(name).read_bytes()
+    assert smooth._repr_png_() == Path("python.png").read_bytes()
+    noisy = gemrender.render("inoue-3", "velvet", size=24, spp=16)
+    np.testing.assert_array_equal(smooth.noisy.xyz, noisy.xyz)
+    assert (smooth.xyz != noisy.xyz).any()
+
+
 def test_a_transparent_background_is_alpha_and_a_foreground(folder):
     cut = gemrender.render("inoue-3", "white", **OPTIONS, background="transparent")
     assert cut.rgb8().shape == (32, 32, 4)

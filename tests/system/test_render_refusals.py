@@ -30,7 +30,7 @@ BAD_INPUT = {
     f"{RENDER} --setup no.toml": "no.toml: no such file",
     f"{RENDER} --setup dark.toml": "dark.toml: [[light]]: needs a light or a sky with a radiance above 0",
     f"{RENDER} --setup near.toml": "near.toml: camera.distance = 0.3: is too near to see Inoue sample 3 ",
-    f"{RENDER} --curve log": "--curve = 'log': must be one of linear, filmic",
+    f"{RENDER} --curve log": "--curve = 'log': must be one of linear, filmic, contrast, neutral, agx",
     f"{RENDER} --size 0": "--size = '0': must be a number of pixels or two, as 1024 or 1600x900, from 1 to ",
     f"{RENDER} --size -5": "--size = '-5': must be a number of pixels or two",
     f"{RENDER} --size 70000": "--size = '70000': must be a number of pixels or two",

@@ -19,7 +19,7 @@ import gemrender
 from gemrender.cuts.families.family import Family
 from gemrender.errors import BackendError, InputError
 from gemrender.reading import reason
-from gemrender.sweep.atlas_plan import STONES, VIEWS, AtlasPlan, AtlasVariable
+from gemrender.sweep.atlas.plan import STONES, VIEWS, AtlasPlan, AtlasVariable
 
 if TYPE_CHECKING:
     import xarray
