@@ -156,7 +156,7 @@ BAD_OPTIONS = {
     "aspect": (["4:0", 7, "a:b", (1, 2, 3), "1:99", float("nan")], "must be width to height, as 4:5 or "),
     "quality": (["fine", 3], "must be one of draft, good, best"),
     "background": (["black", None], "must be one of setup, transparent"),
-    "curve": (["log", None], "must be one of linear, "),
+    "curve": (["log", 3], "must be one of linear, "),
     "spp": (["3", 2.5, True], "must be a whole number"),
     "seed": (["3", None, 2.5], "must be a whole number"),
     "noise": (["low", float("nan"), True], "must be a finite number"),
