@@ -12,8 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gemrender.errors import InputError
-from gemrender.scene import setup_checks as check
-from gemrender.scene.placing import Placed, about_z
+from gemrender.scene.placing import Placed
 
 __all__ = ["DEFAULT_TO_DEG", "MOVES", "Move"]
 
@@ -49,7 +48,8 @@ class Move:
     def __post_init__(self) -> None:
         if self.type not in MOVES:
             raise InputError(f"must be one of {', '.join(MOVES)}", key="move", value=self.type)
-        if not check.is_number(self.to_deg) or not 0 < self.to_deg <= 90:
+        number = isinstance(self.to_deg, (int, float)) and not isinstance(self.to_deg, bool)
+        if not number or not 0 < self.to_deg <= 90:
             raise InputError("must be above 0 and up to 90 [degrees]", key="to", value=self.to_deg)
 
     @classmethod
@@ -102,10 +102,10 @@ class Move:
         angle = self.angle_deg(share)
         if self.type == "turntable":
             return [stone.turned(angle) for stone in stones] if angle else list(stones)
-        # To the camera's right, and away from it, for the table to lean to the right
-        across = about_z(np.radians(azimuth_deg + 90)) @ np.array([1.0, 0.0, 0.0])
-        axis = across if self.type == "tilt" else np.cross([0.0, 0.0, 1.0], across)
-        rotation = _about(axis, np.radians(angle))
+        cos, sin = np.cos(np.radians(azimuth_deg)), np.sin(np.radians(azimuth_deg))
+        # Across the picture to the right; and away from the camera, for the table to lean to the right
+        axis = [-sin, cos, 0.0] if self.type == "tilt" else [-cos, -sin, 0.0]
+        rotation = _about(np.array(axis), np.radians(angle))
         moved = []
         for stone in stones:
             points = stone.points()

@@ -15,7 +15,7 @@ from gemrender.stone import Stone, StoneMesh, tessellate
 if TYPE_CHECKING:
     from gemrender.scene.setup import Camera
 
-__all__ = ["Placed", "about_z", "frame", "place", "towards"]
+__all__ = ["Placed", "frame", "place", "towards"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -58,7 +58,7 @@ class Placed:
 
     def turned(self, turn_deg: float) -> Placed:
         """Return it turned about the vertical through the origin, anticlockwise seen from above [deg]."""
-        return self.rotated(about_z(np.radians(turn_deg)), about=np.zeros(3))
+        return self.rotated(_about_z(np.radians(turn_deg)), about=np.zeros(3))
 
     def rotated(self, rotation: np.ndarray, *, about: np.ndarray) -> Placed:
         """Return it after a rotation (3, 3) about a point (3,) [scene unit]."""
@@ -90,7 +90,7 @@ def place(
     sizes : list of float
         The unit of each, such as the girdle radius [scene unit].
     """
-    across = about_z(np.radians(azimuth_deg + 90)) @ np.array([1.0, 0.0, 0.0])
+    across = _about_z(np.radians(azimuth_deg + 90)) @ np.array([1.0, 0.0, 0.0])
     placed, edge = [], 0.0
     for stone, size in zip(stones, sizes, strict=True):
         rotation = _rotation(stone, pose, azimuth_deg + facing_deg)
@@ -143,7 +143,7 @@ def frame(
         A stone is beside or behind the camera.
     """
     back = towards(camera.elevation, camera.azimuth)
-    right = about_z(np.radians(camera.azimuth + 90)) @ np.array([1.0, 0.0, 0.0])
+    right = _about_z(np.radians(camera.azimuth + 90)) @ np.array([1.0, 0.0, 0.0])
     up = np.cross(back, right)
     origin = target + camera.distance * back
     half = 0.0
@@ -171,7 +171,7 @@ def _rotation(stone: Stone, pose: str, azimuth_deg: float) -> np.ndarray:
         return np.diag([1.0, -1.0, -1.0])
     tilt = _onto(resting_plane(stone), np.array([0.0, 0.0, -1.0]))
     table = tilt @ np.array([0.0, 0.0, 1.0])
-    return np.asarray(about_z(np.radians(azimuth_deg) - np.arctan2(table[1], table[0])) @ tilt)
+    return np.asarray(_about_z(np.radians(azimuth_deg) - np.arctan2(table[1], table[0])) @ tilt)
 
 
 def _onto(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -181,7 +181,6 @@ def _onto(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.asarray(np.eye(3) + cross + cross @ cross / (1 + cos))
 
 
-def about_z(angle: float) -> np.ndarray:
-    """Return the rotation (3, 3) about the vertical, anticlockwise seen from above [rad]."""
+def _about_z(angle: float) -> np.ndarray:
     cos, sin = np.cos(angle), np.sin(angle)
     return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])

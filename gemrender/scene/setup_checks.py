@@ -8,15 +8,10 @@ from typing import Any
 from gemrender.errors import InputError
 from gemrender.reading import did_you_mean
 
-__all__ = ["RADIANCE_RANGE", "is_number", "one_of", "radiance", "spectrum", "two_sizes", "within"]
+__all__ = ["RADIANCE_RANGE", "one_of", "radiance", "spectrum", "two_sizes", "within"]
 
 #: Radiances that are not 0: single precision holds what is left of the least after many reflections.
 RADIANCE_RANGE = (1e-20, 1e9)
-
-
-def is_number(value: Any) -> bool:
-    """Whether a value is a real number, as files have them; NaN is one."""
-    return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
 def one_of(part: Any, key: str, allowed: Sequence[str]) -> None:
@@ -30,13 +25,13 @@ def one_of(part: Any, key: str, allowed: Sequence[str]) -> None:
 def two_sizes(value: Any) -> tuple[float, float]:
     """Return the two sizes that one or two numbers stand for."""
     size = value
-    if is_number(size):
+    if isinstance(size, (int, float)) and not isinstance(size, bool):
         size = (size, size)
     allowed = "must be one or two numbers above 0 [girdle radius]"
     if not isinstance(size, (list, tuple)) or len(size) != 2:
         raise InputError(allowed, key="size", value=value)
     for side in size:
-        if not is_number(side) or not 0 < side <= 1e4:
+        if isinstance(side, bool) or not isinstance(side, (int, float)) or not 0 < side <= 1e4:
             raise InputError(allowed, key="size", value=value)
     return float(size[0]), float(size[1])
 
@@ -44,7 +39,8 @@ def two_sizes(value: Any) -> tuple[float, float]:
 def within(part: Any, key: str, low: float, high: float) -> None:
     """Check that an attribute is a number in a range."""
     value = getattr(part, key)
-    if not is_number(value) or not low <= value <= high:  # false for NaN too
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    if not number or not low <= value <= high:  # false for NaN too
         raise InputError(f"must be a number from {low:g} to {high:g}", key=key, value=value)
 
 
