@@ -21,7 +21,15 @@ from gemrender.render.picture_files import SPECTRAL_ATTRIBUTES, spectral_channel
 from gemrender.render.web_files import write_jpeg, write_webp
 from gemrender.scene.setup import Setup
 
-__all__ = ["STILL_SUFFIXES", "denoised", "developed", "exposure_of", "white_of", "write_picture"]
+__all__ = [
+    "STILL_SUFFIXES",
+    "denoised",
+    "developed",
+    "exposure_of",
+    "for_screen",
+    "white_of",
+    "write_picture",
+]
 
 #: Memory that the denoiser may take [MB].
 DENOISER_MB = 1024
@@ -130,7 +138,8 @@ def developed(picture: Picture, setup: Setup, *, exposure: float, curve: str = "
     """Return the picture for the screen, uint8 sRGB: (h, w, 3), or (h, w, 4) where there is a foreground.
 
     Fireflies are clamped (see `without_fireflies`). The fourth channel is alpha. The others are not
-    multiplied by it: at its edge a stone has its own colour, not one darkened by a background that is not there.
+    multiplied by it: at its edge a stone has its own colour, not one darkened by a background that is not
+    there.
     """
     return _developed(without_fireflies(picture), white_of(picture, setup), exposure, curve)
 
@@ -143,6 +152,24 @@ def _developed(picture: Picture, white: np.ndarray, exposure: float, curve: str)
     own = np.zeros_like(front.xyz)
     np.divide(front.xyz, front.alpha[..., None], out=own, where=alpha[..., None] > 0)
     return np.dstack([develop(own, white_xyz=white, exposure=exposure, curve=curve), alpha])
+
+
+def for_screen(
+    picture: Picture,
+    setup: Setup,
+    *,
+    exposure: float,
+    curve: str = "linear",
+    about: Mapping[str, str] | None = None,
+) -> tuple[np.ndarray, dict[str, str]]:
+    """Return the picture as `developed` has it, and what its file says: `about`, and how many fireflies."""
+    white = white_of(picture, setup)
+    picture = without_fireflies(picture)
+    texts = dict(about or {})
+    if picture.clamped:
+        told = f"fireflies clamped in {picture.clamped} of {picture.xyz[..., 1].size} pixels"
+        texts["Description"] = ", ".join(text for text in (texts.get("Description"), told) if text)
+    return _developed(picture, white, exposure, curve), texts
 
 
 def write_picture(
@@ -170,13 +197,7 @@ def write_picture(
         return _write_exr(path, picture, setup, dict(about or {}))
     if suffix not in STILL_SUFFIXES:
         raise InputError(f"must end in {', '.join(STILL_SUFFIXES)}", key="out", value=str(path))
-    white = white_of(picture, setup)
-    picture = without_fireflies(picture)
-    pixels = _developed(picture, white, exposure, curve)
-    texts = dict(about or {})
-    if picture.clamped:
-        told = f"fireflies clamped in {picture.clamped} of {picture.xyz[..., 1].size} pixels"
-        texts["Description"] = ", ".join(text for text in (texts.get("Description"), told) if text)
+    pixels, texts = for_screen(picture, setup, exposure=exposure, curve=curve, about=about)
     if suffix == ".png":
         return write_png(path, pixels, texts)
     write = write_webp if suffix == ".webp" else write_jpeg
