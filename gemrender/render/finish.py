@@ -130,7 +130,8 @@ def developed(picture: Picture, setup: Setup, *, exposure: float, curve: str = "
     """Return the picture for the screen, uint8 sRGB: (h, w, 3), or (h, w, 4) where there is a foreground.
 
     Fireflies are clamped (see `without_fireflies`). The fourth channel is alpha. The others are not
-    multiplied by it: at its edge a stone has its own colour, not one darkened by a background that is not there.
+    multiplied by it: at its edge a stone has its own colour, not one darkened by a background that is not
+    there.
     """
     return _developed(without_fireflies(picture), white_of(picture, setup), exposure, curve)
 

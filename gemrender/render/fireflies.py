@@ -10,8 +10,8 @@ from gemrender.render.photoreal import Picture
 
 __all__ = ["FEWEST_SAMPLES", "firefly_scale", "without_fireflies"]
 
-#: How much brighter a pixel may be than what both halves of the samples saw in it or beside it. On black
-#: velvet, the worst of set-ups, 2 % of the pixels are at 64 samples, with 0.16 % of the light; in others below 0.1 %.
+#: How much brighter a pixel may be than what both halves of the samples saw in it or beside it. On velvet at
+#: 64 samples 2 % of the pixels are, with 0.16 % of the light; in other set-ups fewer than 0.1 %.
 BRIGHTER = 2.0
 #: Samples a pixel from which on chance is told from light; with fewer, all of a stone is chance.
 FEWEST_SAMPLES = 16
