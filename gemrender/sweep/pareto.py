@@ -199,6 +199,8 @@ def _evolve(search: Search, rounds: int, after_each: Callable[[float, float], No
     generations = 0
     while algorithm.has_next():
         members = algorithm.ask()
+        if members is None:  # of few stones all have been tried
+            break
         losses = search.losses(members.get("X") * scale)
         Evaluator().eval(StaticProblem(problem, F=losses), members)
         algorithm.tell(infills=members)

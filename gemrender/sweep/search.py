@@ -201,6 +201,10 @@ class Search:
         """The measures of all goals."""
         return tuple({of.name: of for aim in self.aims for of in aim.measures}.values())
 
+    @property
+    def _needs_volume(self) -> bool:
+        return any("volume" in aim.names for aim in self.aims)
+
     def goals_of(self, stone: Stone, **options: Any) -> tuple[float, ...]:
         """Return the goals of a stone; minus infinity where they, or what must be kept, cannot be.
 
@@ -213,6 +217,7 @@ class Search:
             if not all(low <= figures[key] <= high for key, (low, high) in self.keep.items()):
                 return (-math.inf,) * len(self.aims)
         stones: dict[int, Stone] = {0: stone}
+        volumes: dict[int, float] = {}
         seen: dict[tuple[int, Pose], dict[str, float]] = {}
 
         def scorer(number: int, pose: Pose) -> Mapping[str, float]:
@@ -221,7 +226,11 @@ class Search:
                 stones[number] = draw(stone, unknown, self.seed, number)
             if (number, pose) not in seen:
                 tilt, azimuth = pose
-                values = {"volume": stones[number].solid.volume}
+                values: dict[str, float] = {}
+                if self._needs_volume:  # of a round stone it takes longer than its light
+                    if number not in volumes:
+                        volumes[number] = stones[number].solid.volume
+                    values["volume"] = volumes[number]
                 if self.measures:
                     found = score(
                         stones[number], measures=self.measures, head=self.head,
