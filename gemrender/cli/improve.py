@@ -54,7 +54,7 @@ def improve(
         typer.Option(
             metavar="PARAMETER,...",
             help="What is varied, with commas between: a parameter, or with its range and step, as "
-            "crown_angle,pavilion_angle=40:42:0.1.",
+            "crown_angle,pavilion_angle=40:42:0.1; of designs tiers, as 'P1 angle=40:43:0.1,C1 angle'.",
         ),
     ],
     keep: Annotated[
@@ -80,6 +80,16 @@ def improve(
     rounds: Annotated[int, whole_option("--rounds", "Most rounds of the search.")] = 40,
     seed: Annotated[int, whole_option("--seed", "Seed of the search.")] = 1,
     head: Head = DEFAULT_HEAD,
+    meets: Annotated[
+        str | None,
+        choice_option(
+            "--meets",
+            ("kept", "loose"),
+            "What becomes of a design's meet points: other tiers follow, so that they are kept, as by "
+            "default; or each tier turns about the middle of its facets.",
+            metavar="HOW",
+        ),
+    ] = None,
     out: Annotated[
         str | None,
         output_option(
@@ -93,7 +103,7 @@ def improve(
     from gemrender.report.improve import improvement_records, improvement_table, improvement_values
     from gemrender.sweep.goals import Goal
     from gemrender.sweep.improve import improve as search
-    from gemrender.sweep.ranges import ranges_of
+    from gemrender.sweep.ranges import figure_name, ranges_of
     from gemrender.sweep.unknown import Cutting
 
     form = table.chosen
@@ -104,7 +114,7 @@ def improve(
     if len(loaded) != 1:
         raise InputError(f"is a table of {len(loaded)} stones; one stone is improved", source=stone)
     first = loaded.stones[0]
-    kept = dict(_limits(text) for text in keep or ())
+    kept = {figure_name(first, key): limits for key, limits in map(_limits, keep or ())}
     aim = Goal.parse(f"({goal}) - 2*spread({goal})" if within else goal)
     ranges = ranges_of(first, vary.split(","), kept)
     unknown: Unknown | None = Cutting(deviation) if within == "cutting" else None
@@ -125,6 +135,7 @@ def improve(
             rounds=rounds,
             seed=seed,
             head=head,
+            meets=meets,
             options=options,
             journal=None if folder is None else folder / f"{stem}-improve.jsonl",
             progress=lambda share, _: advance(share),
@@ -169,4 +180,4 @@ def _limits(text: str) -> tuple[str, tuple[float, float]]:
         raise InputError("must be KEY=LOW:HIGH, such as table=54:58", key="--keep", value=text) from None
     if not low <= high:
         raise InputError("must have its lower limit first", key="--keep", value=text)
-    return key.replace("-", "_").lower(), (low, high)
+    return key, (low, high)

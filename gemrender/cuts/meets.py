@@ -109,7 +109,8 @@ class Meets(Free):
             self._outside = KEPT if near == SAME_CORNER[0] else SAME_CORNER[0]
             self._base = self._kept(design)
             try:
-                self.design = self._solved({}, _CLOSED)
+                angles, distances = _unrounded(design, self._solved({}, _CLOSED))
+                self.design = with_tiers(design, angles.tolist(), distances.tolist())
             except InputError:
                 if near == SAME_CORNER[-1]:
                     raise
@@ -251,13 +252,14 @@ class Meets(Free):
             A value is out of range, or meets or girdle cannot be kept; says which tier.
         """
         check_changes(self.design, changes)
-        return self._solved(
-            {
-                self._place(tier, quantity): float(value) * self._scale(quantity)
-                for (tier, quantity), value in changes.items()
-            },
-            _CHANGED,
-        )
+        asked = {
+            self._place(tier, quantity): float(value) * self._scale(quantity)
+            for (tier, quantity), value in changes.items()
+        }
+        angles, distances = _unrounded(self.design, self._solved(asked, _CHANGED))
+        for (tier, quantity), value in changes.items():
+            (angles if quantity == "angle_deg" else distances)[tier] = value
+        return with_tiers(self.design, angles.tolist(), distances.tolist())
 
     def _scale(self, quantity: Quantity) -> float:
         return float(np.radians(1.0)) if quantity == "angle_deg" else 1.0 / self._size
@@ -345,6 +347,18 @@ class Meets(Free):
         names = self.design.tier_names()
         *words, last = dict.fromkeys(names[int(self._of_tier[number])] for number in facets.tolist())
         return f"{', '.join(words)} and {last}" if words else last
+
+
+def _unrounded(before: Design, after: Design) -> tuple[np.ndarray, np.ndarray]:
+    """Return angles [deg] and distances of a design after a solution; what changed by rounding is as before.
+
+    So 34 degrees are not written as 34.000000000000004.
+    """
+    angles, distances = (
+        np.where(np.abs(new - old) <= _SHORT * np.maximum(1.0, np.abs(old)), old, new)
+        for old, new in zip(values_of(before), values_of(after), strict=True)
+    )
+    return angles, distances
 
 
 #: What becomes of meets where a tier changes: the tier's other number and all other tiers stay ("free"), the

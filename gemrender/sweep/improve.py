@@ -13,14 +13,12 @@ import math
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from gemrender.cuts.families.family import Family
-from gemrender.cuts.variations import vary
 from gemrender.engines import DEFAULT_HEAD, check_head, require_engine
 from gemrender.errors import InputError
 from gemrender.journal import Journal
@@ -29,7 +27,8 @@ from gemrender.stone import Stone
 from gemrender.sweep.goals import Goal, Pose
 from gemrender.sweep.ranges import Range, ranges_of
 from gemrender.sweep.tilt import solid_digest
-from gemrender.sweep.unknown import Rounding, Unknown, draw, figures_of
+from gemrender.sweep.unknown import Rounding, Unknown, draw
+from gemrender.sweep.varied import remaker, varied_figures
 
 __all__ = ["Answer", "Improvement", "improve"]
 
@@ -97,6 +96,7 @@ def improve(
     rounds: int = 40,
     seed: int = 1,
     head: float = DEFAULT_HEAD,
+    meets: str | None = None,
     options: dict[str, Any] | None = None,
     journal: Path | None = None,
     threads: int | None = None,
@@ -127,6 +127,8 @@ def improve(
         Seed of the search and of the draws: the same one gives the same answers.
     head : float
         Half the angle at which the viewer's head is seen from the stone, 0 to below 90 [deg].
+    meets : {"kept", "loose"}, optional
+        Of a faceter's design, what becomes of its meet points (`gemrender.sweep.varied.remaker`).
     options : dict, optional
         Further arguments of `gemrender.score`: bound (0.1 by default), index ...
     journal : Path, optional
@@ -151,7 +153,7 @@ def improve(
     ):  # fmt: skip
         if not low <= value <= high:
             raise InputError(f"must be from {low:g} to {high:g}", key=key, value=value)
-    known = figures_of(stone)
+    known = varied_figures(stone)
     by_text = [text for text in vary_by if isinstance(text, str)]
     ranges = (
         *(by for by in vary_by if not isinstance(by, str)),
@@ -165,7 +167,9 @@ def improve(
             )  # fmt: skip
     traced = {"bound": DEFAULT_SEARCH_BOUND, **(options or {}), "engine": "exact"}
     require_engine("exact", stones=[stone])  # its first kernel must not be called by two threads at once
-    search = _Search(stone, aim, ranges, dict(keep or {}), unknown, draws, seed, check_head(head), traced)
+    search = _Search(
+        stone, aim, ranges, dict(keep or {}), unknown, draws, seed, check_head(head), meets, traced
+    )
     with contextlib.ExitStack() as stack:
         if journal is not None:
             kept = stack.enter_context(Journal(journal, search.first_line(), search.entry, work="search"))
@@ -238,10 +242,12 @@ class _Search:
         draws: int,
         seed: int,
         head: float,
+        meets: str | None,
         options: dict[str, Any],
     ) -> None:
         self.base, self.aim, self.ranges, self.keep = stone, goal, ranges, keep
         self.unknown, self.draws, self.seed, self.head, self.options = unknown, draws, seed, head, options
+        self.meets, self.remade = meets, remaker(stone, meets)
         self.known: dict[tuple[int, ...], float] = {}
         self.journal: Journal | None = None
         self.map: Callable[..., Iterable[Any]] = map
@@ -250,7 +256,7 @@ class _Search:
 
     def nearest(self) -> list[int]:
         """Return the places next to the stone's own values."""
-        own = figures_of(self.base)
+        own = varied_figures(self.base)
         return [min(max(round((own[by.name] - by.low) / by.step), 0), by.count - 1) for by in self.ranges]
 
     def values(self, places: Sequence[int]) -> dict[str, float]:
@@ -259,15 +265,7 @@ class _Search:
 
     def stone(self, places: Sequence[int]) -> Stone:
         """Make the stone at these places."""
-        values = self.values(places)
-        if isinstance(self.base.cut, Family):
-            made: Stone = self.base.cut.changed(**values).stone(
-                name=self.base.name, material=self.base.material, size_mm=self.base.size_mm
-            )
-            return made
-        return replace(
-            vary(self.base, [(key, (value,)) for key, value in values.items()])[0], name=self.base.name
-        )
+        return self.remade(self.values(places))
 
     # ---- Goals ----
 
@@ -296,15 +294,18 @@ class _Search:
         """Return the goal of a stone; minus infinity where it, or what must be kept of it, cannot be."""
         from gemrender.scoring import score
 
-        figures = figures_of(stone)
+        figures = varied_figures(stone)
         if not all(low <= figures[key] <= high for key, (low, high) in self.keep.items()):
             return -math.inf
-        unknown = self.unknown or Rounding.of(stone)
+        unknown = self.unknown
+        if unknown is None and self.aim.has_spread:
+            unknown = Rounding.of(stone)
         stones: dict[int, Stone] = {0: stone}
         seen: dict[tuple[int, Pose], dict[str, float]] = {}
 
         def scorer(number: int, pose: Pose) -> Mapping[str, float]:
             if number not in stones:
+                assert unknown is not None
                 stones[number] = draw(stone, unknown, self.seed, number)
             if (number, pose) not in seen:
                 tilt, azimuth = pose
@@ -379,6 +380,7 @@ class _Search:
             "head_deg": self.head,
             "measures": [[of.name, of.version] for of in self.aim.measures],
             "options": self.options,
+            **({} if self.meets is None else {"meets": self.meets}),
         }
 
     def entry(self, line: Any) -> tuple[tuple[int, ...], float]:
