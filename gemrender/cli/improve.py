@@ -46,7 +46,7 @@ def improve(
         typer.Option(
             metavar="EXPRESSION",
             help="What should be large: measures, numbers, + - * / **, min, max, abs, mean and worst over "
-            "tilts, spread, volume; as iso - 0.5*leak, worst(inoue, 15), iso - 2*spread(iso).",
+            "tilts, spread, volume, yield, carat; as iso - 0.5*leak, worst(inoue, 15), iso - 2*spread(iso).",
         ),
     ],
     vary: Annotated[
@@ -90,6 +90,14 @@ def improve(
             metavar="HOW",
         ),
     ] = None,
+    rough: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ROUGH",
+            help="What the stones are cut from, for goals of yield [%] and carat: box=LENGTHxWIDTHxHEIGHT, "
+            "diameter=D (in mm, of the girdle), or mesh=FILE (in mm, the stone's axis along z).",
+        ),
+    ] = None,
     out: Annotated[
         str | None,
         output_option(
@@ -104,6 +112,7 @@ def improve(
     from gemrender.sweep.goals import Goal
     from gemrender.sweep.improve import improve as search
     from gemrender.sweep.ranges import figure_name, ranges_of
+    from gemrender.sweep.sized import read_rough
     from gemrender.sweep.unknown import Cutting
 
     form = table.chosen
@@ -117,9 +126,12 @@ def improve(
     kept = {figure_name(first, key): limits for key, limits in map(_limits, keep or ())}
     aim = Goal.parse(f"({goal}) - 2*spread({goal})" if within else goal)
     ranges = ranges_of(first, vary.split(","), kept)
+    given = None if rough is None else read_rough(rough)
     unknown: Unknown | None = Cutting(deviation) if within == "cutting" else None
     prepare_engine(traced, loaded.samples, out)
     loaded.tell()
+    if given is not None and given.note:
+        say(given.note)
     folder = None if out is None else prepare_folder(out)
     stem = file_stems(loaded.names)[0]
     with progress_bar(1) as step:
@@ -136,6 +148,7 @@ def improve(
             seed=seed,
             head=head,
             meets=meets,
+            rough=given,
             options=options,
             journal=None if folder is None else folder / f"{stem}-improve.jsonl",
             progress=lambda share, _: advance(share),

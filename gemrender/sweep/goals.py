@@ -7,6 +7,7 @@
     worst(inoue, 15)                the least over tilts up to 15 degrees; `mean`: their mean
     iso - 2*spread(iso)             `spread`: standard deviation under what is not known of the stone
     iso + 10*volume                 volume of the stone [half length cubed]
+    iso + 0.5*yield                 its share of rough that is given [%]; `carat`: its weight
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from __future__ import annotations
 import ast
 import math
 import operator
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -39,6 +41,8 @@ _OPERATORS: dict[type, Callable[[Any, Any], Any]] = {
     ast.Div: operator.truediv,
     ast.Pow: operator.pow,
 }
+#: What of a stone's size goals may name, as the expression that is parsed has it: yield is a word of Python.
+_SIZES = {"volume": "volume", "_yield": "yield", "carat": "carat"}
 _SIMPLE = {"min": min, "max": max, "abs": abs}
 _OVER_TILTS: dict[str, Callable[[Any], Any]] = {"mean": np.mean, "worst": np.min}
 #: Longest goal [characters], and how deep it may be nested.
@@ -63,12 +67,15 @@ class Goal:
         Whether it needs draws of what is not known.
     tree : ast.expr
         The expression, checked.
+    sizes : tuple of str
+        Which of "volume", "yield" and "carat" it is made of.
     """
 
     text: str
     measures: tuple[Measure, ...]
     has_spread: bool
     tree: ast.expr
+    sizes: tuple[str, ...] = ()
 
     @classmethod
     def parse(cls, text: str) -> Goal:
@@ -82,7 +89,7 @@ class Goal:
         if len(text) > _LONGEST:
             raise InputError(f"must have at most {_LONGEST} characters", key="goal", value=text)
         try:
-            tree = ast.parse(text.strip(), mode="eval").body
+            tree = ast.parse(re.sub(r"\byield\b", "_yield", text.strip()), mode="eval").body
         except (SyntaxError, ValueError, RecursionError, MemoryError):
             raise InputError("must be an expression such as iso - 0.5*leak", key="goal", value=text) from None
         found: dict[str, Measure] = {}
@@ -91,9 +98,11 @@ class Goal:
             _check(tree, found, spreads, 0)
         except InputError as error:
             raise InputError(error.allowed, key="goal", value=text) from None
-        if not found and "volume" not in text:
+        used = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+        sizes = tuple(name for written, name in _SIZES.items() if written in used)
+        if not found and not sizes:
             raise InputError(f"names no measure; there are {_listed()}", key="goal", value=text)
-        return cls(text.strip(), tuple(found.values()), bool(spreads), tree)
+        return cls(text.strip(), tuple(found.values()), bool(spreads), tree, sizes)
 
     def value(self, scorer: Scorer, draws: int = 0) -> float:
         """Return the goal of a stone.
@@ -102,7 +111,7 @@ class Goal:
         ----------
         scorer : callable
             What tells the measures of the stone, and of its draws 1 to `draws`; values are called
-            "measure.key", and "volume".
+            "measure.key", and those of `sizes` by their names.
         draws : int
             Number of draws that `spread` is taken over.
         """
@@ -136,7 +145,8 @@ def _listed() -> str:
     """Return the measures for a message; their keys are in `gemrender measures`."""
     names = [name for name in _names() if "." not in name]
     own = [name for name in names if any(other.startswith(f"{name}.") for other in _names())]
-    return f"{', '.join(own)} and their values, as aset.leak or leak (see: gemrender measures), and volume"
+    sizes = ", ".join(_SIZES.values())
+    return f"{', '.join(own)} and their values, as aset.leak or leak (see: gemrender measures), and {sizes}"
 
 
 def _check(node: ast.AST, found: dict[str, Measure], spreads: list[bool], depth: int) -> None:
@@ -161,7 +171,7 @@ def _check(node: ast.AST, found: dict[str, Measure], spreads: list[bool], depth:
         _check_call(node, found, spreads, depth)
     elif isinstance(node, (ast.Name, ast.Attribute)):
         written = ast.unparse(node)
-        if written == "volume":
+        if written in _SIZES:
             return
         names = _names()
         if written not in names:
@@ -230,4 +240,4 @@ def _value(node: ast.AST, scorer: Scorer, drawn: int, pose: Pose, draws: int) ->
         values = [_value(arguments[0], scorer, number, pose, draws) for number in range(1, draws + 1)]
         return float(np.std(values, ddof=1)) if len(values) > 1 else 0.0
     written = ast.unparse(node)
-    return float(scorer(drawn, pose)[written if written == "volume" else _names()[written]])
+    return float(scorer(drawn, pose)[_SIZES.get(written) or _names()[written]])

@@ -26,6 +26,8 @@ from gemrender.reading import did_you_mean
 from gemrender.stone import Stone
 from gemrender.sweep.goals import Goal, Pose
 from gemrender.sweep.ranges import Range, ranges_of
+from gemrender.sweep.rough import Rough
+from gemrender.sweep.sized import Sized
 from gemrender.sweep.tilt import solid_digest
 from gemrender.sweep.unknown import Rounding, Unknown, draw
 from gemrender.sweep.varied import remaker, varied_figures
@@ -97,6 +99,7 @@ def improve(
     seed: int = 1,
     head: float = DEFAULT_HEAD,
     meets: str | None = None,
+    rough: Rough | None = None,
     options: dict[str, Any] | None = None,
     journal: Path | None = None,
     threads: int | None = None,
@@ -129,6 +132,8 @@ def improve(
         Half the angle at which the viewer's head is seen from the stone, 0 to below 90 [deg].
     meets : {"kept", "loose"}, optional
         Of a faceter's design, what becomes of its meet points (`gemrender.sweep.varied.remaker`).
+    rough : Rough, optional
+        What the stones are cut from, for goals of `yield` and `carat`; the answers have the size that fits.
     options : dict, optional
         Further arguments of `gemrender.score`: bound (0.1 by default), index ...
     journal : Path, optional
@@ -168,7 +173,7 @@ def improve(
     traced = {"bound": DEFAULT_SEARCH_BOUND, **(options or {}), "engine": "exact"}
     require_engine("exact", stones=[stone])  # its first kernel must not be called by two threads at once
     search = _Search(
-        stone, aim, ranges, dict(keep or {}), unknown, draws, seed, check_head(head), meets, traced
+        stone, aim, ranges, dict(keep or {}), unknown, draws, seed, check_head(head), meets, rough, traced
     )
     with contextlib.ExitStack() as stack:
         if journal is not None:
@@ -213,7 +218,11 @@ def improve(
             goal=aim,
             start=Answer(values=own, goal=search.goal_of(stone), stone=stone),
             answers=tuple(
-                Answer(values=search.values(places), goal=search.known[places], stone=search.stone(places))
+                Answer(
+                    values=search.values(places),
+                    goal=search.known[places],
+                    stone=search.sized.stone(search.stone(places)),
+                )
                 for places in found
             ),
             tried=len(search.known),
@@ -243,11 +252,13 @@ class _Search:
         seed: int,
         head: float,
         meets: str | None,
+        rough: Rough | None,
         options: dict[str, Any],
     ) -> None:
         self.base, self.aim, self.ranges, self.keep = stone, goal, ranges, keep
         self.unknown, self.draws, self.seed, self.head, self.options = unknown, draws, seed, head, options
         self.meets, self.remade = meets, remaker(stone, meets)
+        self.sized = Sized.of(goal, stone, rough)
         self.known: dict[tuple[int, ...], float] = {}
         self.journal: Journal | None = None
         self.map: Callable[..., Iterable[Any]] = map
@@ -309,7 +320,7 @@ class _Search:
                 stones[number] = draw(stone, unknown, self.seed, number)
             if (number, pose) not in seen:
                 tilt, azimuth = pose
-                values = {"volume": stones[number].solid.volume}
+                values = self.sized.values(stones[number])
                 if self.aim.measures:
                     found = score(
                         stones[number], measures=self.aim.measures, head=self.head,
@@ -381,6 +392,7 @@ class _Search:
             "measures": [[of.name, of.version] for of in self.aim.measures],
             "options": self.options,
             **({} if self.meets is None else {"meets": self.meets}),
+            **self.sized.to_dict(),
         }
 
     def entry(self, line: Any) -> tuple[tuple[int, ...], float]:
