@@ -317,23 +317,29 @@ class Meets(Free):
         planes = design.planes().real / [1.0, 1.0, 1.0, self._size]
         for at in self.corners:
             point = np.linalg.lstsq(planes[at, :3], planes[at, 3], rcond=None)[0]
-            outside = np.flatnonzero(planes[:, :3] @ point - planes[:, 3] > self._outside)
+            outside = np.flatnonzero(planes[:, :3] @ point - planes[:, 3] > self._outside)[:1]
             if len(outside):
-                raise self._refusal(
-                    kept, asked, f"{self._listed(outside[:1])} would cut away where {self._listed(at)} meet"
-                )
+                why = f"{self._listed(outside)} would cut away where {self._listed(at)} meet"
+                raise self._refusal(kept, asked, why, outside)
 
-    def _refusal(self, kept: _Kept, asked: Mapping[int, float], why: str = "") -> InputError:
-        """Say why meets cannot be kept, or which of them is missed most."""
+    def _refusal(
+        self, kept: _Kept, asked: Mapping[int, float], why: str = "", facets: np.ndarray | None = None
+    ) -> InputError:
+        """Say why meets cannot be kept, or which is missed most; and which change, of these facets if any."""
         if not why:
-            ends = np.cumsum([0, *(len(at) - 3 for at in self.corners)])
-            off = [np.abs(kept["meets"][1][a:b]).max() for a, b in pairwise(ends)]
-            worst = f" where {self._listed(self.corners[int(np.argmax(off))])} meet" if off else ""
-            why = f"no other angles and distances are found that keep the corner{worst}"
+            why = "no other angles and distances are found that keep all corners"
+            if self.corners:
+                ends = np.cumsum([0, *(len(at) - 3 for at in self.corners)])
+                off = [np.abs(kept["meets"][1][a:b]).max() for a, b in pairwise(ends)]
+                facets = self.corners[int(np.argmax(off))]
+                why = f"no other angles and distances are found that keep where {self._listed(facets)} meet"
         if not asked:
             return InputError(f"facets miss their meets, and cannot be made to meet: {why}", key="meets")
         own = self._values(self.design)
-        place = max(asked, key=lambda number: abs(asked[number] - own[number]))
+        tiers = [] if facets is None else self._of_tier[facets].tolist()
+        place = max(
+            asked, key=lambda place: (self._unknowns[place][0] in tiers, abs(asked[place] - own[place]))
+        )
         tier, quantity = self._unknowns[place]
         value = asked[place] / self._scale(quantity)
         return InputError(
