@@ -170,13 +170,19 @@ def _write(found: Improvement, first: Stone, folder: Path, stem: str, options: d
     from gemrender.cuts.stone_file import save_stone_file
     from gemrender.report.page import write_report
     from gemrender.report.studied import study_stone
+    from gemrender.sweep.varied import angles_that_followed
 
     stones = [first]
     for number, answer in enumerate(found.answers, start=1):
         path = folder / f"{stem}-improved-{number}.toml"
         made = replace(answer.stone, name=f"{first.name}, improved {number}")
         save_stone_file(
-            made, path, comments=(f"{found.goal.text} = {answer.goal:.4g}, found by gemrender improve",)
+            made,
+            path,
+            comments=(
+                f"{found.goal.text} = {answer.goal:.4g}, found by gemrender improve",
+                *angles_that_followed(first, answer.stone, answer.values),
+            ),
         )
         say(f"written: {path}")
         stones.append(made)

@@ -170,6 +170,8 @@ def improve(
                 f"unknown key; must be one of {', '.join(known)}{did_you_mean(key, list(known))}", key="keep",
                 value=key,
             )  # fmt: skip
+    if aim.has_spread and unknown is None:
+        Rounding.of(stone)  # refuses designs, which no report rounds
     traced = {"bound": DEFAULT_SEARCH_BOUND, **(options or {}), "engine": "exact"}
     require_engine("exact", stones=[stone])  # its first kernel must not be called by two threads at once
     search = _Search(

@@ -20,10 +20,12 @@ from gemrender.errors import InputError
 from gemrender.stone import Stone
 from gemrender.sweep.unknown import figures_of
 
-__all__ = ["DEFAULT_MEETS", "Remake", "remaker", "varied_figures"]
+__all__ = ["DEFAULT_MEETS", "Remake", "angles_that_followed", "remaker", "varied_figures"]
 
 #: From parameters by name, the stone.
 Remake = Callable[[Mapping[str, float]], Stone]
+#: Angles that differ by less are the same [deg]: what meets in files are closed by.
+_FOLLOWED = 1e-3
 #: What becomes of meets where nothing is said.
 DEFAULT_MEETS = "kept"
 
@@ -106,3 +108,15 @@ def _of_design(stone: Stone, design: Design, meets: str) -> Remake:
         return made
 
     return remade
+
+
+def angles_that_followed(stone: Stone, made: Stone, asked: Mapping[str, float]) -> tuple[str, ...]:
+    """Return a line on each tier of a design whose angle changed though that was not asked for."""
+    if not isinstance(stone.cut, Design):
+        return ()
+    after = varied_figures(made)
+    return tuple(
+        f"{name} follows: {before:.6g} to {after[name]:.6g}"
+        for name, before in varied_figures(stone).items()
+        if name.endswith("angle") and name not in asked and abs(after[name] - before) > _FOLLOWED
+    )

@@ -21,7 +21,7 @@ from gemrender.errors import InputError
 from gemrender.sweep.improve import improve
 from gemrender.sweep.ranges import ranges_of
 from gemrender.sweep.rough import Box
-from gemrender.sweep.varied import remaker, varied_figures
+from gemrender.sweep.varied import angles_that_followed, remaker, varied_figures
 
 CASES = Path(__file__).parents[1] / "cases" / "stones"
 ROUND = load_stone(CASES / "round.asc")
@@ -176,6 +176,8 @@ def test_the_angles_that_follow_can_be_kept_within_limits():
             ),
         )
     ).stone(name="rectangle", material=1.77)  # fmt: skip
+    followed = angles_that_followed(stone, remaker(stone)({"PL angle": 40.0}), {"PL angle": 40.0})
+    assert followed == ("PW angle follows: 45 to 46.3667",)
     found = improve(stone, "volume", ["PL angle=34:44:1"], keep={"PW angle": (40.0, 46.0)}, rounds=3)
     figures = varied_figures(found.answers[0].stone)
     assert figures["PL angle"] == 39.0  # tan 46 / 1.25 is tan 39.6: deeper is larger
