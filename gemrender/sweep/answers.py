@@ -102,7 +102,10 @@ class Answer:
 
 def answer_at(search: Search, places: Places) -> Answer:
     """Return a stone that was measured as an answer."""
-    return Answer(values=search.values(places), goals=search.known[places], stone=search.stone(places))
+    return Answer(
+        values=search.values(places), goals=search.known[places],
+        stone=search.sized.stone(search.stone(places)),
+    )  # fmt: skip
 
 
 def start_of(search: Search) -> Answer:
