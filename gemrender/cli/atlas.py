@@ -203,8 +203,8 @@ def _print_cost(plan: AtlasPlan, threads: int | None, processes: int | None) -> 
     typer.echo(f"values    {len(plan.variables)} a stone and view, their bounds included")
     typer.echo(f"size      at most {_bytes(cost.bytes)}, before compression")
     typer.echo(
-        f"time      about {duration_words(cost.seconds)}: {cost.rate:.3g} stones a second, measured on "
-        f"{cost.tried} of them"
+        f"time      about {duration_words(cost.seconds)}: {cost.rate:.3g} stones a second by "
+        f"{cost.workers}, measured on {cost.tried} of them"
     )
     if cost.made < cost.tried:
         typer.echo(f"no stone  {cost.tried - cost.made} of these {cost.tried}")

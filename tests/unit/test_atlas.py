@@ -331,6 +331,19 @@ def test_an_interruption_keeps_what_is_done(planned, tmp_path, monkeypatch):
     assert contents(tmp_path / "a.zarr") == contents(tmp_path / "b.zarr")
 
 
+def test_the_status_of_many_chunks_is_read_some_at_a_time(planned, tmp_path, monkeypatch):
+    plan = planned(GRID.replace("chunk = 4", "chunk = 3"))
+    store = AtlasStore(plan, str(tmp_path / "a.zarr"))
+    for chunk in range(plan.chunks):
+        shape = tuple(part.stop - part.start for part in plan.place(chunk))
+        store.write(chunk, {"status": np.full(shape, 1 + chunk % 3, dtype=np.int8)})
+    whole = store.status()
+    assert len(np.unique(whole)) == 3
+    for number in (1, 2, 4):
+        monkeypatch.setattr("gemrender.sweep.atlas.store._READ", number)
+        np.testing.assert_array_equal(store.status(), whole)
+
+
 def test_a_damaged_chunk_is_done_again(planned, tmp_path):
     plan = planned(GRID)
     make_atlas(plan, str(tmp_path / "a.zarr"))
@@ -437,10 +450,11 @@ def test_a_missing_package_is_told_with_the_cure(tmp_path, monkeypatch, package)
 
 def test_the_command_makes_goes_on_and_exports(gemrender, folder):
     (folder / "grid.toml").write_text(textwrap.dedent(GRID))
-    status, out, err = gemrender("atlas", "grid.toml", "--dry-run")
+    status, out, err = gemrender("atlas", "grid.toml", "--processes", 2, "--dry-run")
     assert (status, err) == (0, "")
     assert "stones    12\n" in out
     assert "chunks    3, of at most 4 stones\n" in out
+    assert " processes, measured on 12 of them\n" in out
     assert not (folder / "grid.zarr").exists()
     status, _, err = gemrender("atlas", "grid.toml", "--threads", 2)
     assert status == 0

@@ -28,6 +28,8 @@ class AtlasCost:
         Stones that were measured.
     made : int
         Those of them that can be made.
+    workers : str
+        What will measure them, such as "2 processes".
     rate : float
         Stones a second, of all threads or processes together.
     seconds : float
@@ -40,6 +42,7 @@ class AtlasCost:
     bytes: int
     tried: int
     made: int
+    workers: str
     rate: float
     seconds: float
 
@@ -85,8 +88,10 @@ def atlas_cost(
     with ThreadPoolExecutor(threads or 1) as pool:
         made = sum(pool.map(measured, sample))
     rate = len(sample) / (time.monotonic() - started)
+    count = workers_of(threads, processes)
     if threads is None:
-        rate *= workers_of(threads, processes)
+        rate *= count
+    one, more = ("process", "processes") if threads is None else ("thread", "threads")
     return AtlasCost(
         stones=plan.stones,
         views=len(plan.views),
@@ -94,6 +99,7 @@ def atlas_cost(
         bytes=plan.bytes,
         tried=len(sample),
         made=made,
+        workers=f"{count} {one if count == 1 else more}",
         rate=rate,
         seconds=plan.stones / rate,
     )

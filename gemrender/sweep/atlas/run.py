@@ -120,7 +120,7 @@ def make_atlas(
 def _made(store: AtlasStore, measured: int, seconds: float) -> AtlasMade:
     plan, status = store.plan, store.status()
     refused = []
-    for number in np.flatnonzero((status == NO_STONE) | (status == FAILED))[:_TOLD]:
+    for number in np.flatnonzero(status >= NO_STONE)[:_TOLD]:
         cell = np.unravel_index(int(number), plan.shape)
         setting = next(plan.settings(tuple(slice(int(k), int(k) + 1) for k in cell)))
         words = " ".join(f"{key}={value}" for key, value in setting.items())

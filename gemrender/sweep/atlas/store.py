@@ -6,6 +6,7 @@ tell is to do, however the work was stopped, and going on is a look at it.
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 import shutil
@@ -19,7 +20,7 @@ import gemrender
 from gemrender.cuts.families.family import Family
 from gemrender.errors import BackendError, InputError
 from gemrender.reading import reason
-from gemrender.sweep.atlas.plan import STONES, VIEWS, AtlasPlan, AtlasVariable
+from gemrender.sweep.atlas.plan import STONES, VIEWS, AtlasPlan, AtlasVariable, part_shape
 
 if TYPE_CHECKING:
     import xarray
@@ -47,6 +48,8 @@ _CONVENTIONS = "CF-1.11"
 #: The same bytes everywhere: one codec with its settings stated.
 _LEVEL = 5
 _RECORD = "plan"
+#: So many chunks are read at a time: zarr has something in memory for each of them.
+_READ = 4096
 
 
 def open_atlas(where: str) -> xarray.Dataset:
@@ -118,10 +121,9 @@ class AtlasStore:
 
     def to_do(self) -> list[int]:
         """Return the chunks that are not done, in order; one that cannot be read is not."""
-        status = self._arrays["status"]
         plan = self.plan
         try:
-            found = np.asarray(status[...])
+            found = self.status()
         except Exception:  # a damaged chunk, told by whatever its codec raises
             return [k for k in range(plan.chunks) if not self._is_done(plan.place(k))]
         return [k for k in range(plan.chunks) if (found[plan.place(k)] == TO_DO).any()]
@@ -150,7 +152,16 @@ class AtlasStore:
 
     def status(self) -> np.ndarray:
         """Return what is known of every stone, of the plan's shape."""
-        return np.asarray(self._arrays["status"][...])
+        plan, array = self.plan, self._arrays["status"]
+        out = np.empty(plan.shape, dtype=np.int8)
+        numbers = part_shape(plan.chunks_along, _READ)
+        for first in itertools.product(*map(range, itertools.repeat(0), plan.chunks_along, numbers)):
+            place = tuple(
+                slice(k * size, (k + number) * size)
+                for k, number, size in zip(first, numbers, plan.chunk_shape, strict=True)
+            )
+            out[place] = array[place]
+        return out
 
     def tidy(self) -> None:
         """Remove what processes that were killed have left of files they had begun, once all is done."""
