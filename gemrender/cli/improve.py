@@ -52,8 +52,8 @@ def improve(
         typer.Option(
             metavar="EXPRESSION",
             help="What should be large: measures, numbers, + - * / **, min, max, abs, mean and worst over "
-            "tilts, spread, volume; as iso - 0.5*leak, worst(inoue, 15), iso - 2*spread(iso). Given several "
-            "times: stones of which none is better by all of them (the Pareto front).",
+            "tilts, spread, volume, yield, carat; as iso - 0.5*leak, worst(inoue, 15), iso - 2*spread(iso). "
+            "Given several times: stones of which none is better by all of them (the Pareto front).",
         ),
     ],
     vary: Annotated[
@@ -61,7 +61,8 @@ def improve(
         typer.Option(
             metavar="PARAMETER,...",
             help="What is varied, with commas between: a parameter, or with its range and step, as "
-            "crown_angle,pavilion_angle=40:42:0.1; a step of 0 is any number.",
+            "crown_angle,pavilion_angle=40:42:0.1; a step of 0 is any number; of designs tiers, as "
+            "'P1 angle=40:43:0.1,C1 angle'.",
         ),
     ],
     keep: Annotated[
@@ -90,6 +91,24 @@ def improve(
     rounds: Annotated[int, whole_option("--rounds", "Most rounds of the search.")] = 40,
     seed: Annotated[int, whole_option("--seed", "Seed of the search.")] = 1,
     head: Head = DEFAULT_HEAD,
+    meets: Annotated[
+        str | None,
+        choice_option(
+            "--meets",
+            ("kept", "loose"),
+            "What becomes of a design's meet points: other tiers follow, so that they are kept, as by "
+            "default; or each tier turns about the middle of its facets.",
+            metavar="HOW",
+        ),
+    ] = None,
+    rough: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ROUGH",
+            help="What the stones are cut from, for goals of yield [%] and carat: box=LENGTHxWIDTHxHEIGHT, "
+            "diameter=D (in mm, of the girdle), or mesh=FILE (in mm, the stone's axis along z).",
+        ),
+    ] = None,
     reach: Annotated[
         float | None,
         number_option(
@@ -121,7 +140,8 @@ def improve(
     from gemrender.sweep.goals import Goal
     from gemrender.sweep.improve import improve as search_one
     from gemrender.sweep.pareto import pareto_front
-    from gemrender.sweep.ranges import ranges_of
+    from gemrender.sweep.ranges import figure_name, ranges_of
+    from gemrender.sweep.sized import read_rough
     from gemrender.sweep.unknown import Cutting
 
     form = table.chosen
@@ -137,14 +157,17 @@ def improve(
         key = "--variant" if variant != DEFAULT_VARIANT else "--resolution"
         raise InputError("is of the engines that check answers; add --check", key=key)
     first = loaded.stones[0]
-    kept = dict(_limits(text) for text in keep or ())
+    kept = {figure_name(first, key): limits for key, limits in map(_limits, keep or ())}
     aims = [Goal.parse(f"({text}) - 2*spread({text})" if within else text) for text in goal]
     ranges = ranges_of(first, vary.split(","), kept)
+    given = None if rough is None else read_rough(rough)
     unknown: Unknown | None = Cutting(deviation) if within == "cutting" else None
     prepare_engine(traced, loaded.samples, out)
     if check:
         prepare_engine(traced, loaded.samples, engine="mitsuba")
     loaded.tell()
+    if given is not None and given.note:
+        say(given.note)
     folder = None if out is None else prepare_folder(out)
     stem = file_stems(loaded.names)[0]
     found: Improvement | Front
@@ -157,6 +180,8 @@ def improve(
             "rounds": rounds,
             "seed": seed,
             "head": head,
+            "meets": meets,
+            "rough": given,
             "options": options,
             "journal": None if folder is None else folder / f"{stem}-improve.jsonl",
             "progress": lambda share, _: advance(share),
@@ -193,13 +218,17 @@ def _write_stones(found: Improvement | Front, first: Stone, folder: Path, stem: 
     from dataclasses import replace
 
     from gemrender.cuts.stone_file import save_stone_file
+    from gemrender.sweep.varied import angles_that_followed
 
     stones = [first]
     for number, answer in enumerate(found.answers, start=1):
         path = folder / f"{stem}-improved-{number}.toml"
         made = replace(answer.stone, name=f"{first.name}, improved {number}")
         goals = zip(found.goals, answer.goals, strict=True)
-        comments = tuple(f"{goal.text} = {value:.4g}, found by gemrender improve" for goal, value in goals)
+        comments = (
+            *(f"{goal.text} = {value:.4g}, found by gemrender improve" for goal, value in goals),
+            *angles_that_followed(first, answer.stone, answer.values),
+        )
         save_stone_file(made, path, comments=comments)
         say(f"written: {path}")
         stones.append(made)
@@ -237,4 +266,4 @@ def _limits(text: str) -> tuple[str, tuple[float, float]]:
         raise InputError("must be KEY=LOW:HIGH, such as table=54:58", key="--keep", value=text) from None
     if not low <= high:
         raise InputError("must have its lower limit first", key="--keep", value=text)
-    return key.replace("-", "_").lower(), (low, high)
+    return key, (low, high)

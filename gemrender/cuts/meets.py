@@ -109,7 +109,8 @@ class Meets(Free):
             self._outside = KEPT if near == SAME_CORNER[0] else SAME_CORNER[0]
             self._base = self._kept(design)
             try:
-                self.design = self._solved({}, _CLOSED)
+                angles, distances = _unrounded(design, self._solved({}, _CLOSED))
+                self.design = with_tiers(design, angles.tolist(), distances.tolist())
             except InputError:
                 if near == SAME_CORNER[-1]:
                     raise
@@ -251,13 +252,14 @@ class Meets(Free):
             A value is out of range, or meets or girdle cannot be kept; says which tier.
         """
         check_changes(self.design, changes)
-        return self._solved(
-            {
-                self._place(tier, quantity): float(value) * self._scale(quantity)
-                for (tier, quantity), value in changes.items()
-            },
-            _CHANGED,
-        )
+        asked = {
+            self._place(tier, quantity): float(value) * self._scale(quantity)
+            for (tier, quantity), value in changes.items()
+        }
+        angles, distances = _unrounded(self.design, self._solved(asked, _CHANGED))
+        for (tier, quantity), value in changes.items():
+            (angles if quantity == "angle_deg" else distances)[tier] = value
+        return with_tiers(self.design, angles.tolist(), distances.tolist())
 
     def _scale(self, quantity: Quantity) -> float:
         return float(np.radians(1.0)) if quantity == "angle_deg" else 1.0 / self._size
@@ -315,23 +317,29 @@ class Meets(Free):
         planes = design.planes().real / [1.0, 1.0, 1.0, self._size]
         for at in self.corners:
             point = np.linalg.lstsq(planes[at, :3], planes[at, 3], rcond=None)[0]
-            outside = np.flatnonzero(planes[:, :3] @ point - planes[:, 3] > self._outside)
+            outside = np.flatnonzero(planes[:, :3] @ point - planes[:, 3] > self._outside)[:1]
             if len(outside):
-                raise self._refusal(
-                    kept, asked, f"{self._listed(outside[:1])} would cut away where {self._listed(at)} meet"
-                )
+                why = f"{self._listed(outside)} would cut away where {self._listed(at)} meet"
+                raise self._refusal(kept, asked, why, outside)
 
-    def _refusal(self, kept: _Kept, asked: Mapping[int, float], why: str = "") -> InputError:
-        """Say why meets cannot be kept, or which of them is missed most."""
+    def _refusal(
+        self, kept: _Kept, asked: Mapping[int, float], why: str = "", facets: np.ndarray | None = None
+    ) -> InputError:
+        """Say why meets cannot be kept, or which is missed most; and which change, of these facets if any."""
         if not why:
-            ends = np.cumsum([0, *(len(at) - 3 for at in self.corners)])
-            off = [np.abs(kept["meets"][1][a:b]).max() for a, b in pairwise(ends)]
-            worst = f" where {self._listed(self.corners[int(np.argmax(off))])} meet" if off else ""
-            why = f"no other angles and distances are found that keep the corner{worst}"
+            why = "no other angles and distances are found that keep all corners"
+            if self.corners:
+                ends = np.cumsum([0, *(len(at) - 3 for at in self.corners)])
+                off = [np.abs(kept["meets"][1][a:b]).max() for a, b in pairwise(ends)]
+                facets = self.corners[int(np.argmax(off))]
+                why = f"no other angles and distances are found that keep where {self._listed(facets)} meet"
         if not asked:
             return InputError(f"facets miss their meets, and cannot be made to meet: {why}", key="meets")
         own = self._values(self.design)
-        place = max(asked, key=lambda number: abs(asked[number] - own[number]))
+        tiers = [] if facets is None else self._of_tier[facets].tolist()
+        place = max(
+            asked, key=lambda place: (self._unknowns[place][0] in tiers, abs(asked[place] - own[place]))
+        )
         tier, quantity = self._unknowns[place]
         value = asked[place] / self._scale(quantity)
         return InputError(
@@ -345,6 +353,18 @@ class Meets(Free):
         names = self.design.tier_names()
         *words, last = dict.fromkeys(names[int(self._of_tier[number])] for number in facets.tolist())
         return f"{', '.join(words)} and {last}" if words else last
+
+
+def _unrounded(before: Design, after: Design) -> tuple[np.ndarray, np.ndarray]:
+    """Return angles [deg] and distances of a design after a solution; what changed by rounding is as before.
+
+    So 34 degrees are not written as 34.000000000000004.
+    """
+    angles, distances = (
+        np.where(np.abs(new - old) <= _SHORT * np.maximum(1.0, np.abs(old)), old, new)
+        for old, new in zip(values_of(before), values_of(after), strict=True)
+    )
+    return angles, distances
 
 
 #: What becomes of meets where a tier changes: the tier's other number and all other tiers stay ("free"), the

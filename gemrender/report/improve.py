@@ -111,16 +111,12 @@ def _parameters_table(found: Improvement | Front) -> TextTable:
         Column("above"),
         Column("jumps", rank=1, is_text=True),
     ], ruled=True)  # fmt: skip
-    steps: dict[str, str] = {}
     for label, answer in _rows(found):
         details = answer.details
         assert details is not None
         for number, (name, value) in enumerate(answer.values.items()):
             of_goals = [of_goal[number] for of_goal in details.slopes]
             sign = _SIGNS[of_goals[0].unit]
-            for of in of_goals:
-                if of.step is not None:
-                    steps[name] = f"{of.step:g}{sign}"
             reported = details.report.get(name)
             table.rows.append([
                 "" if number else label,
@@ -132,9 +128,9 @@ def _parameters_table(found: Improvement | Front) -> TextTable:
             ])  # fmt: skip
     table.note("reported: what a laboratory's report would round it to.")
     table.note("by 1: how much the goal changes with one unit of the parameter, exact to ±.")
-    if steps:
-        words = ", ".join(f"{step} of {name.replace('_', ' ')}" for name, step in steps.items())
-        table.note(f"Where ± is a step, it is a central difference, so far to either side: {words}.")
+    slopes_of = (of for _, answer in _rows(found) if answer.details for of in answer.details.slopes)
+    if any(slope.between is not None for of_goal in slopes_of for slope in of_goal):
+        table.note("Where ± is two values, the slope is a difference: of the goal at these values.")
     table.note(
         "cliff: the next place where what is measured jumps, and by how much on the way up; "
         "none to: no such jump as far as that value."
@@ -145,7 +141,14 @@ def _parameters_table(found: Improvement | Front) -> TextTable:
 def _slope_cells(of: GoalSlope) -> tuple[str, str]:
     if not math.isfinite(of.slope):
         return "–", ""
-    return f"{of.slope:+.3f}", f"{of.bound:.3f}" if of.step is None else f"step {of.step:g}"
+    return f"{of.slope:+.3f}", _exactness(of)
+
+
+def _exactness(of: GoalSlope) -> str:
+    if of.between is None:
+        return f"{of.bound:.3f}"
+    low, high = of.between
+    return f"{low:.5g} to {high:.5g}"
 
 
 def _checks_table(found: Improvement | Front) -> TextTable:

@@ -36,8 +36,13 @@ def _table(title: str, table: TextTable) -> str:
     rows = "\n".join(
         "<tr>"
         + "".join(
-            _cell("td", cell.text if isinstance(cell, Cell) else cell, of.is_text)
-            for of, cell in zip(table.columns, row, strict=True)
+            _cell(
+                "td" if place else "th",
+                cell.text if isinstance(cell, Cell) else cell,
+                of.is_text,
+                "" if place else ' scope="row"',
+            )
+            for place, (of, cell) in enumerate(zip(table.columns, row, strict=True))
         )
         + "</tr>"
         for row in table.rows

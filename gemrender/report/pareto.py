@@ -51,7 +51,9 @@ def front_figure(found: Front) -> Figure:
     for number, pair in enumerate(pairs):
         row, column = divmod(number, columns)
         left, bottom = 0.85 + side * column, _SIDE * (rows - row - 1) + 0.65
-        axes = figure.add_axes((left / width, bottom / height, (side - 0.75) / width, (_SIDE - 1.0) / height))
+        axes = figure.add_axes(
+            (left / width, bottom / height, (side - 0.75) / width, (_SIDE - 0.85) / height)
+        )
         _draw(axes, found, pair)
     return figure
 

@@ -102,7 +102,10 @@ class Answer:
 
 def answer_at(search: Search, places: Places) -> Answer:
     """Return a stone that was measured as an answer."""
-    return Answer(values=search.values(places), goals=search.known[places], stone=search.stone(places))
+    return Answer(
+        values=search.values(places), goals=search.known[places],
+        stone=search.sized.stone(search.stone(places)),
+    )  # fmt: skip
 
 
 def start_of(search: Search) -> Answer:
@@ -201,7 +204,7 @@ def _details(
     out = []
     for number, answer in enumerate(answers):  # by turns: kernels of derivatives may have to be compiled
         scored = score(answer.stone, measures=search.measures or None, head=search.head, **search.options)
-        slopes = goal_slopes(search, answer.values)
+        slopes = goal_slopes(search, answer.values, _room(cliffs[number]))
         out.append(
             Details(
                 average=scored.average,
@@ -227,12 +230,29 @@ def _cliffs(
         return search.stone_of({**of, by.name: of[by.name] + far})
 
     parameter = Parameter(name=by.name, kept="others", unit=by.unit, value=of[by.name], moved=moved)
-    names = [measure.name for measure in search.measures if measure.unit == "%"]
+    shares = {f"{of.name}.{key}" for of in search.measures if of.unit == "%" for key in of.keys}
+    counted = shares & {name for aim in search.aims for name in aim.names}
     short: Any = {key: value for key, value in search.options.items() if key in ShortForms.__annotations__}
-    return find_cliffs(
-        moved(0.0), [parameter], measures=names or "inoue", head=search.head, reach=reach,
-        bound=search.options["bound"], seed=search.options.get("seed", 1), **short,
+    found = find_cliffs(
+        moved(0.0), [parameter], measures=search.measures if counted else "inoue", values=counted or None,
+        head=search.head, reach=reach, bound=search.options["bound"], seed=search.options.get("seed", 1),
+        **short,
     )  # fmt: skip
+    if not counted:
+        return found
+    return tuple(
+        replace(cliff, jumps=tuple(of for of in cliff.jumps if f"{of.measure}.{of.key}" in counted))
+        for cliff in found
+    )
+
+
+def _room(cliffs: Sequence[Cliff]) -> dict[str, tuple[float, float]]:
+    """Return how far below and above each parameter nothing jumps."""
+    far = {(of.parameter, of.side): of.searched for of in cliffs if of.at is not None}
+    return {
+        of.parameter: (far.get((of.parameter, "below"), math.inf), far.get((of.parameter, "above"), math.inf))
+        for of in cliffs
+    }
 
 
 def _as_reported(stone: Stone) -> dict[str, float]:

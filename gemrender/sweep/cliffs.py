@@ -7,7 +7,7 @@ where a value changes more within a step than a threshold allows, halving tells 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from typing import Any, Unpack
@@ -150,6 +150,7 @@ def find_cliffs(
     head: float = HEAD_DEG,
     reach: float | None = None,
     threshold: float = THRESHOLD,
+    values: Collection[str] | None = None,
     bound: float = 0.05,
     seed: int = 1,
     meets: str = "free",
@@ -173,6 +174,8 @@ def find_cliffs(
         How far to look [% or deg]; by default 1 deg, 2 %, or 0.05 of a ratio.
     threshold : float
         Changes by less are no cliff [% of the light].
+    values : collection of str, optional
+        The values that tell where a jump is, as "aset.leak"; by default all in per cent, but for bands.
     meets : {"free", "loose", "kept"}
         Of designs, what becomes of meet points, as for `gemrender.sensitivity`.
     progress : callable, optional
@@ -198,6 +201,8 @@ def find_cliffs(
     check_reach(reach, threshold)
     chosen = chosen_measures(measures)
     counts = np.array([_counts(of.unit, key) for of in chosen for key in of.keys])
+    if values is not None:
+        counts &= [f"{of.name}.{key}" in values for of in chosen for key in of.keys]
     if not counts.any():
         names = ",".join(of.name for of in chosen)
         raise InputError("must have values in per cent, to tell a jump by", key="measures", value=names)
@@ -212,11 +217,13 @@ def find_cliffs(
             if wanted not in (allowed := dict.fromkeys(of.name for of in known)):
                 raise InputError(f"must be one of {', '.join(allowed)}", key="parameter", value=wanted)
         moving = [*(of for of in known if of.name in listed or parameters is None), *moving]
-    values = partial(_values, measures=chosen, view=view, model=model, head_deg=head, bound=bound, seed=seed)
-    here, found = values(stone), []
+    measured = partial(
+        _values, measures=chosen, view=view, model=model, head_deg=head, bound=bound, seed=seed
+    )
+    here, found = measured(stone), []
     for place, parameter in enumerate(moving):
         for half, side in enumerate((-1, 1)):
-            walk = _Walk(parameter, side, values, threshold, counts)
+            walk = _Walk(parameter, side, measured, threshold, counts)
             found.append(walk.to(reach or REACH[parameter.unit], here, chosen))
             if progress is not None:
                 progress((2 * place + half + 1) / (2 * len(moving)))

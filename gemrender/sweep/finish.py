@@ -12,9 +12,9 @@ from gemrender.sweep.search import Places, Search
 __all__ = ["finished"]
 
 #: Most times that slopes and steps take turns.
-_MOST_TURNS = 4
+_MOST_TURNS = 3
 #: Most goals that are looked at along slopes, and without slopes for each parameter.
-_MOST_ALONG, _MOST_EACH = 40, 60
+_MOST_ALONG, _MOST_EACH = 20, 40
 #: Gains by less are none [of the goal]: an exact value has an error bound that is larger.
 _LEAST_GAIN = 1e-6
 #: Without slopes: size of the first simplex, and where it ends [steps].

@@ -16,6 +16,7 @@ import numpy as np
 
 from gemrender.beam.sensitivity import sensitivity
 from gemrender.errors import InputError
+from gemrender.measures import Measure
 from gemrender.request import ShortForms
 from gemrender.stone import Stone
 from gemrender.sweep.cliffs import parameters_of
@@ -27,6 +28,8 @@ __all__ = ["GoalSlope", "goal_slopes", "has_slopes"]
 #: Step of differences of numbers that are closed forms of each other [deg, % or of a ratio]: an error of
 #: 1e-8 of the slope.
 _SMALL = 1e-4
+#: Differences end at this share of the way to the next jump.
+_WITHIN = 0.9
 #: Wanted bound of the derivatives of measures [% per unit].
 _BOUND = 0.2
 #: What of `parameters_of` a stone is made from, each a number of its own.
@@ -47,15 +50,15 @@ class GoalSlope:
         The derivative [goal per unit]; NaN where there is none.
     bound : float or None
         How far an exact one may be off, with a confidence of 99.9 %: rays near a round girdle, and kinks.
-    step : float or None
-        Of a central difference, how far to either side the goal was taken; None of an exact slope.
+    between : (float, float) or None
+        Of a difference, the parameters that the goal was taken at; None of an exact slope.
     """
 
     parameter: str
     unit: str
     slope: float
     bound: float | None
-    step: float | None
+    between: tuple[float, float] | None
 
     def to_dict(self) -> dict[str, Any]:
         """Return it for JSON; null for NaN."""
@@ -65,7 +68,7 @@ class GoalSlope:
             "unit": self.unit,
             "slope": self.slope if is_known else None,
             "bound": self.bound if is_known else None,
-            "step": self.step,
+            "between": None if self.between is None else list(self.between),
         }
 
 
@@ -75,7 +78,9 @@ def has_slopes(goal: Goal) -> bool:
     return goal.is_local and all(name == _VOLUME or name in smooth for name in goal.names)
 
 
-def goal_slopes(search: Search, values: Mapping[str, float]) -> list[dict[str, GoalSlope]]:
+def goal_slopes(
+    search: Search, values: Mapping[str, float], room: Mapping[str, tuple[float, float]] | None = None
+) -> list[dict[str, GoalSlope]]:
     """Return the slopes of each goal of a search by each parameter that it varies.
 
     Parameters
@@ -84,14 +89,17 @@ def goal_slopes(search: Search, values: Mapping[str, float]) -> list[dict[str, G
         The search.
     values : mapping
         The parameters of a stone that can be made.
+    room : mapping, optional
+        How far below and above parameters nothing jumps, where that is known: differences of goals seen from
+        straight above are taken within.
     """
     exact: list[dict[str, GoalSlope] | None] = [None] * len(search.aims)
     if any(has_slopes(aim) for aim in search.aims):
         with contextlib.suppress(InputError):  # more virtual facets than can be differentiated
             exact = _exact(search, values)
     if None in exact:
-        by_steps = _by_differences(search, values)
-        return [by_steps[k] if known is None else known for k, known in enumerate(exact)]
+        by_differences = _by_differences(search, values, room or {})
+        return [by_differences[k] if known is None else known for k, known in enumerate(exact)]
     return [known for known in exact if known is not None]
 
 
@@ -99,7 +107,25 @@ def _exact(search: Search, values: Mapping[str, float]) -> list[dict[str, GoalSl
     from gemrender.scoring import score
 
     stone = search.stone_of(values)
+    told: dict[str, float] = {}
+    slopes: dict[str, tuple[np.ndarray, np.ndarray]] = {}
+    if any(_VOLUME in aim.names for aim in search.aims):
+        volume = np.array([_central(_volume, search, values, by.name) for by in search.ranges])
+        told[_VOLUME], slopes[_VOLUME] = stone.solid.volume, (volume, np.zeros(len(volume)))
     measures = [of for of in search.measures if of.smooth_keys]
+    if measures:
+        slopes |= _measure_slopes(search, values, measures)
+        scored = score(stone, measures=measures, head=search.head, **search.options)
+        for each in scored.measures or ():
+            told |= {f"{each.name}.{key}": value for key, value in each.values.items()}
+    return [_chain(aim, told, slopes, search) if has_slopes(aim) else None for aim in search.aims]
+
+
+def _measure_slopes(
+    search: Search, values: Mapping[str, float], measures: list[Measure]
+) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Return slopes of values of measures and their bounds, each by the ranges, (ranges,)."""
+    stone = search.stone_of(values)
     short: Any = {key: of for key, of in search.options.items() if key in ShortForms.__annotations__}
     found = sensitivity(
         stone, measures=measures, head=search.head, bound=_BOUND, seed=search.options.get("seed", 1), **short
@@ -110,19 +136,14 @@ def _exact(search: Search, values: Mapping[str, float]) -> list[dict[str, GoalSl
         known = {of.name: of.value for of in parameters_of(stone) if of.kept in _MADE_FROM}
         return np.array([known[of.parameter] for of in numbers])
 
-    moved = np.array([_central(made_from, search, values, by.name, _SMALL) for by in search.ranges])
-    slopes: dict[str, tuple[np.ndarray, np.ndarray]] = {}
+    moved = np.array(
+        [np.broadcast_to(_central(made_from, search, values, by.name), len(numbers)) for by in search.ranges]
+    )
+    slopes = {}
     for k, of in enumerate(numbers[0].measures):
         by_number = np.array([[each.measures[k].slope, each.measures[k].bound] for each in numbers])
         slopes[f"{of.measure}.{of.key}"] = moved @ by_number[:, 0], np.abs(moved) @ by_number[:, 1]
-    volume = np.array([_central(_volume, search, values, by.name, _SMALL) for by in search.ranges])
-    slopes[_VOLUME] = volume, np.zeros(len(volume))
-    told = {_VOLUME: stone.solid.volume}
-    if measures:
-        scored = score(stone, measures=measures, head=search.head, **search.options)
-        for each in scored.measures or ():
-            told |= {f"{each.name}.{key}": value for key, value in each.values.items()}
-    return [_chain(aim, told, slopes, search) if has_slopes(aim) else None for aim in search.aims]
+    return slopes
 
 
 def _chain(
@@ -136,27 +157,54 @@ def _chain(
             slope += partial * slopes[name][0]
             bound += abs(partial) * slopes[name][1]
     return {
-        by.name: GoalSlope(parameter=by.name, unit=by.unit, slope=float(each), bound=float(off), step=None)
+        by.name: GoalSlope(parameter=by.name, unit=by.unit, slope=float(each), bound=float(off), between=None)
         for by, each, off in zip(search.ranges, slope, bound, strict=True)
     }
 
 
-def _by_differences(search: Search, values: Mapping[str, float]) -> list[dict[str, GoalSlope]]:
-    """Return central differences over a step of each range; at the end of what can be made one-sided ones."""
+def _by_differences(
+    search: Search, values: Mapping[str, float], room: Mapping[str, tuple[float, float]]
+) -> list[dict[str, GoalSlope]]:
+    """Return differences over a step to either side, or as far as nothing jumps and stones can be made."""
     out: list[dict[str, GoalSlope]] = [{} for _ in search.aims]
+
+    def told(made: Stone) -> np.ndarray:
+        return np.array(search.goals_of(made))
+
     for by in search.ranges:
-        slopes = _central(lambda made: np.array(search.goals_of(made)), search, values, by.name, by.step)
-        for of_goal, slope in zip(out, np.broadcast_to(slopes, len(out)).tolist(), strict=True):
-            of_goal[by.name] = GoalSlope(
-                parameter=by.name, unit=by.unit, slope=slope, bound=None, step=by.step
+        found = {}
+        for is_local in {aim.is_local for aim in search.aims}:
+            below, above = room.get(by.name, (math.inf, math.inf)) if is_local else (math.inf, math.inf)
+            ends = (-min(by.step, _WITHIN * below), min(by.step, _WITHIN * above))
+            found[is_local] = _difference(told, search, values, by.name, ends)
+        for k, aim in enumerate(search.aims):
+            slopes, ends = found[aim.is_local]
+            low, high = (float(f"{values[by.name] + end:.10g}") for end in ends)
+            slope = float(np.broadcast_to(slopes, len(out))[k])
+            out[k][by.name] = GoalSlope(
+                parameter=by.name, unit=by.unit, slope=slope, bound=None, between=(low, high)
             )
     return out
 
 
 def _central(
-    of: Callable[[Stone], np.ndarray], search: Search, values: Mapping[str, float], name: str, step: float
+    of: Callable[[Stone], np.ndarray], search: Search, values: Mapping[str, float], name: str
 ) -> np.ndarray:
-    """Return the difference quotient of what is told of stones by a parameter; NaN where there is none."""
+    """Return the derivative of what is told of stones by a parameter, of what is smooth."""
+    return _difference(of, search, values, name, (-_SMALL, _SMALL))[0]
+
+
+def _difference(
+    of: Callable[[Stone], np.ndarray],
+    search: Search,
+    values: Mapping[str, float],
+    name: str,
+    ends: tuple[float, float],
+) -> tuple[np.ndarray, tuple[float, float]]:
+    """Return the difference quotient of what is told of stones by a parameter, and where it was taken.
+
+    At an end where no stone can be made it is taken from the stone itself; NaN where neither can.
+    """
 
     def told(by: float) -> np.ndarray | None:
         try:
@@ -165,14 +213,13 @@ def _central(
             return None
         return found if np.isfinite(found).all() else None
 
-    found = {by: made for by in (-step, step) if (made := told(by)) is not None}
+    found = {by: made for by in ends if (made := told(by)) is not None}
+    if len(found) < 2 and (here := told(0.0)) is not None:
+        found[0.0] = here
     if len(found) < 2:
-        here = told(0.0)
-        found |= {} if here is None else {0.0: here}
-    if len(found) < 2:
-        return np.array(math.nan)
+        return np.array(math.nan), ends
     low, high = min(found), max(found)
-    return np.asarray((found[high] - found[low]) / (high - low))
+    return np.asarray((found[high] - found[low]) / (high - low)), (low, high)
 
 
 def _volume(stone: Stone) -> np.ndarray:

@@ -7,6 +7,7 @@
     worst(inoue, 15)                the least over tilts up to 15 degrees; `mean`: their mean
     iso - 2*spread(iso)             `spread`: standard deviation under what is not known of the stone
     iso + 10*volume                 volume of the stone [half length cubed]
+    iso + 0.5*yield                 its share of rough that is given [%]; `carat`: its weight
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from __future__ import annotations
 import ast
 import math
 import operator
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -32,8 +34,6 @@ Pose = tuple[float, float]
 Scorer = Callable[[int, Pose], Mapping[str, float]]
 
 _FACE_UP: Pose = (0.0, 0.0)
-#: What the volume is called, which is no measure's.
-_VOLUME = "volume"
 _OPERATORS: dict[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -41,6 +41,8 @@ _OPERATORS: dict[type, Callable[[Any, Any], Any]] = {
     ast.Div: operator.truediv,
     ast.Pow: operator.pow,
 }
+#: What of a stone's size goals may name, as the expression that is parsed has it: yield is a word of Python.
+_SIZES = {"volume": "volume", "_yield": "yield", "carat": "carat"}
 _SIMPLE = {"min": min, "max": max, "abs": abs}
 _OVER_TILTS: dict[str, Callable[[Any], Any]] = {"mean": np.mean, "worst": np.min}
 #: Longest goal [characters], and how deep it may be nested.
@@ -65,12 +67,15 @@ class Goal:
         Whether it needs draws of what is not known.
     tree : ast.expr
         The expression, checked.
+    sizes : tuple of str
+        Which of "volume", "yield" and "carat" it is made of.
     """
 
     text: str
     measures: tuple[Measure, ...]
     has_spread: bool
     tree: ast.expr
+    sizes: tuple[str, ...] = ()
 
     @classmethod
     def parse(cls, text: str) -> Goal:
@@ -84,7 +89,7 @@ class Goal:
         if len(text) > _LONGEST:
             raise InputError(f"must have at most {_LONGEST} characters", key="goal", value=text)
         try:
-            tree = ast.parse(text.strip(), mode="eval").body
+            tree = ast.parse(re.sub(r"\byield\b", "_yield", text.strip()), mode="eval").body
         except (SyntaxError, ValueError, RecursionError, MemoryError):
             raise InputError("must be an expression such as iso - 0.5*leak", key="goal", value=text) from None
         found: dict[str, Measure] = {}
@@ -93,13 +98,15 @@ class Goal:
             _check(tree, found, spreads, 0)
         except InputError as error:
             raise InputError(error.allowed, key="goal", value=text) from None
-        if not found and _VOLUME not in text:
+        used = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+        sizes = tuple(name for written, name in _SIZES.items() if written in used)
+        if not found and not sizes:
             raise InputError(f"names no measure; there are {_listed()}", key="goal", value=text)
-        return cls(text.strip(), tuple(found.values()), bool(spreads), tree)
+        return cls(text.strip(), tuple(found.values()), bool(spreads), tree, sizes)
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The values that it is made of: as "measure.key", and "volume"."""
+        """The values that it is made of: as "measure.key", and those of `sizes`."""
         return tuple(dict.fromkeys(map(_named, _leaves(self.tree))))
 
     @property
@@ -129,7 +136,7 @@ class Goal:
         ----------
         scorer : callable
             What tells the measures of the stone, and of its draws 1 to `draws`; values are called
-            "measure.key", and "volume".
+            "measure.key", and those of `sizes` by their names.
         draws : int
             Number of draws that `spread` is taken over.
         """
@@ -163,7 +170,8 @@ def _listed() -> str:
     """Return the measures for a message; their keys are in `gemrender measures`."""
     names = [name for name in _names() if "." not in name]
     own = [name for name in names if any(other.startswith(f"{name}.") for other in _names())]
-    return f"{', '.join(own)} and their values, as aset.leak or leak (see: gemrender measures), and volume"
+    sizes = ", ".join(_SIZES.values())
+    return f"{', '.join(own)} and their values, as aset.leak or leak (see: gemrender measures), and {sizes}"
 
 
 def _check(node: ast.AST, found: dict[str, Measure], spreads: list[bool], depth: int) -> None:
@@ -188,7 +196,7 @@ def _check(node: ast.AST, found: dict[str, Measure], spreads: list[bool], depth:
         _check_call(node, found, spreads, depth)
     elif isinstance(node, (ast.Name, ast.Attribute)):
         written = ast.unparse(node)
-        if written == _VOLUME:
+        if written in _SIZES:
             return
         names = _names()
         if written not in names:
@@ -270,9 +278,9 @@ def _leaves(node: ast.AST) -> Iterator[ast.AST]:
 
 
 def _named(node: ast.AST) -> str:
-    """Return what is named, as "measure.key", or "volume"."""
+    """Return what is named, as "measure.key", or a size's name."""
     written = ast.unparse(node)
-    return written if written == _VOLUME else _names()[written]
+    return _SIZES.get(written) or _names()[written]
 
 
 def _partials(

@@ -21,6 +21,7 @@ from gemrender.sweep.checks import Check
 from gemrender.sweep.finish import finished
 from gemrender.sweep.goals import Goal
 from gemrender.sweep.ranges import Range
+from gemrender.sweep.rough import Rough
 from gemrender.sweep.search import DEFAULT_DRAWS, Places, Search, prepare_search
 from gemrender.sweep.unknown import Unknown
 
@@ -69,6 +70,8 @@ def improve(
     rounds: int = 40,
     seed: int = 1,
     head: float = DEFAULT_HEAD,
+    meets: str | None = None,
+    rough: Rough | None = None,
     options: dict[str, Any] | None = None,
     journal: Path | None = None,
     threads: int | None = None,
@@ -82,7 +85,7 @@ def improve(
     Parameters
     ----------
     stone : Stone
-        Where the search begins: a stone that was made from proportions, or of a family.
+        Where the search begins: a stone that was made from proportions, of a family, or from a design.
     goal : Goal or str
         The goal; see `gemrender.sweep.goals`.
     vary_by : sequence of Range or str
@@ -102,6 +105,10 @@ def improve(
         Seed of the search and of the draws: the same one gives the same answers.
     head : float
         Half the angle at which the viewer's head is seen from the stone, 0 to below 90 [deg].
+    meets : {"kept", "loose"}, optional
+        Of a faceter's design, what becomes of its meet points (`gemrender.sweep.varied.remaker`).
+    rough : Rough, optional
+        What the stones are cut from, for goals of `yield` and `carat`; the answers have the size that fits.
     options : dict, optional
         Further arguments of `gemrender.score`: bound (0.1 by default), index ...
     journal : Path, optional
@@ -127,7 +134,7 @@ def improve(
     """
     search = prepare_search(
         stone, [goal], vary_by, keep=keep, unknown=unknown, draws=draws, answers=answers, rounds=rounds,
-        seed=seed, head=head, options=options, reach=reach,
+        seed=seed, head=head, meets=meets, rough=rough, options=options, reach=reach,
     )  # fmt: skip
     phases = Phases(progress, details=details, check=check is not None)
 

@@ -21,6 +21,7 @@ from gemrender.sweep.answers import Answer, Phases, SearchInterruptedError, answ
 from gemrender.sweep.checks import Check
 from gemrender.sweep.goals import Goal
 from gemrender.sweep.ranges import Range
+from gemrender.sweep.rough import Rough
 from gemrender.sweep.search import DEFAULT_DRAWS, Places, Search, prepare_search
 from gemrender.sweep.unknown import Unknown
 
@@ -88,6 +89,8 @@ def pareto_front(
     rounds: int = 40,
     seed: int = 1,
     head: float = DEFAULT_HEAD,
+    meets: str | None = None,
+    rough: Rough | None = None,
     options: dict[str, Any] | None = None,
     journal: Path | None = None,
     threads: int | None = None,
@@ -106,7 +109,8 @@ def pareto_front(
         From two to four goals.
     answers : int
         Most stones of the front that are told in full.
-    vary_by, keep, unknown, draws, rounds, seed, head, options, journal, threads, details, reach, check
+    vary_by, keep, unknown, draws, rounds, seed, head, meets, rough, options, journal, threads, details,
+    reach, check
         As for `gemrender.improve`.
     progress : callable, optional
         Called with the share done, 0 to 1, and the best of the first goal so far.
@@ -124,7 +128,7 @@ def pareto_front(
         raise InputError(f"must be from 2 to {_MOST_GOALS} goals, got {len(goals)}", key="goal")
     search = prepare_search(
         stone, goals, vary_by, keep=keep, unknown=unknown, draws=draws, answers=answers, rounds=rounds,
-        seed=seed, head=head, options=options, reach=reach,
+        seed=seed, head=head, meets=meets, rough=rough, options=options, reach=reach,
     )  # fmt: skip
     require_pymoo()
     phases = Phases(progress, details=details, check=check is not None)
@@ -199,6 +203,8 @@ def _evolve(search: Search, rounds: int, after_each: Callable[[float, float], No
     generations = 0
     while algorithm.has_next():
         members = algorithm.ask()
+        if members is None:  # of few stones all have been tried
+            break
         losses = search.losses(members.get("X") * scale)
         Evaluator().eval(StaticProblem(problem, F=losses), members)
         algorithm.tell(infills=members)

@@ -6,20 +6,23 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
 
+from gemrender.cuts.design import Design
 from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.parameters import unit_of
 from gemrender.cuts.round_brilliant.proportions import ANGLE_RANGES, RANGES
 from gemrender.errors import InputError
 from gemrender.reading import did_you_mean
 from gemrender.stone import Stone
-from gemrender.sweep.unknown import figures_of
+from gemrender.sweep.varied import varied_figures
 
-__all__ = ["Range", "ranges_of"]
+__all__ = ["Range", "figure_name", "ranges_of"]
 
 #: Step of each parameter that is varied unless another is asked for [deg, %, or of a ratio]: what can be cut.
 STEPS = {"angle": 0.1, "": 0.01, "%": 0.5}
 #: How far a parameter is varied to either side unless a range is given [deg, %, or of a ratio].
 REACH = {"angle": 3.0, "": 0.2, "%": 5.0}
+#: Allowed angles and distances of a design's tiers [deg, % of half the stone's length].
+TIER_RANGES = {"angle": (0.1, 89.9), "distance": (0.0, 1000.0)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,12 +68,13 @@ def ranges_of(
 ) -> tuple[Range, ...]:
     """Return the ranges of parameters that are varied: as "crown_angle", "table=54:58" or "table=54:58:0.5".
 
-    A step of 0 is any number within the range.
+    A step of 0 is any number within the range. Of a design, as "P1 angle=40:43:0.1"
+    (`gemrender.sweep.varied`).
 
     Parameters
     ----------
     stone : Stone
-        A stone that was made from proportions, or of a family.
+        A stone that was made from proportions, of a family, or from a design.
     chosen : iterable of str
         The parameters.
     kept : mapping, optional
@@ -81,11 +85,11 @@ def ranges_of(
     InputError
         A stone without parameters, a parameter that it has not, or a range that is none.
     """
-    known = figures_of(stone)
+    known = varied_figures(stone)
     ranges: dict[str, Range] = {}
     for text in chosen:
         name, _, limits = (part.strip() for part in text.partition("="))
-        name = name.replace("-", "_").lower()
+        name = figure_name(stone, name)
         if name not in known:
             raise InputError(
                 f"unknown parameter; must be one of {', '.join(known)}{did_you_mean(name, list(known))}",
@@ -106,6 +110,8 @@ def ranges_of(
             if len(numbers) not in (2, 3) or not all(map(math.isfinite, numbers)):
                 raise InputError(f"must be {name}=LOW:HIGH or {name}=LOW:HIGH:STEP", key="vary", value=text)
             low, high, *rest = numbers
+            if isinstance(stone.cut, Design) and high < 0:  # as .asc files write the pavilion's
+                low, high = -high, -low
             step = rest[0] if rest else step
         is_continuous = step == 0
         step = step or STEPS[unit]
@@ -127,6 +133,13 @@ def ranges_of(
     return tuple(ranges.values())
 
 
+def figure_name(stone: Stone, text: str) -> str:
+    """Return a parameter's name as it was meant; of a design's tiers letters keep their case."""
+    if isinstance(stone.cut, Design):
+        return " ".join(text.split())
+    return text.strip().replace("-", "_").lower()
+
+
 def _unit(stone: Stone, name: str) -> str:
     if name.endswith("angle"):
         return "angle"
@@ -137,6 +150,8 @@ def _unit(stone: Stone, name: str) -> str:
 
 
 def _allowed(stone: Stone, name: str) -> tuple[float, float]:
+    if isinstance(stone.cut, Design):
+        return TIER_RANGES[name.rsplit(" ", 1)[1]]
     if isinstance(stone.cut, Family):
         parts = {part.name: part for part in fields(stone.cut)}  # type: ignore[arg-type]
         if name in parts:

@@ -7,14 +7,12 @@ import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from gemrender.cuts.families.family import Family
-from gemrender.cuts.variations import vary
 from gemrender.engines import DEFAULT_HEAD, check_head, require_engine
 from gemrender.errors import InputError
 from gemrender.journal import Journal
@@ -24,8 +22,11 @@ from gemrender.stone import Stone
 from gemrender.sweep.cliffs import check_reach
 from gemrender.sweep.goals import Goal, Pose
 from gemrender.sweep.ranges import Range, ranges_of
+from gemrender.sweep.rough import Rough
+from gemrender.sweep.sized import Sized
 from gemrender.sweep.tilt import solid_digest
-from gemrender.sweep.unknown import Rounding, Unknown, draw, figures_of
+from gemrender.sweep.unknown import Rounding, Unknown, draw
+from gemrender.sweep.varied import Remake, remaker, varied_figures
 
 __all__ = ["DEFAULT_DRAWS", "Places", "Search", "prepare_search"]
 
@@ -64,6 +65,12 @@ class Search:
         Number of its draws; seed of them, and of the search.
     head : float
         Half the angle at which the viewer's head is seen [deg].
+    meets : str or None
+        Of a design, what becomes of its meet points (`gemrender.sweep.varied.remaker`).
+    remade : callable
+        What makes a stone with parameters changed.
+    sized : Sized
+        What goals need of the size of stones.
     options : dict
         Further arguments of `gemrender.score`.
     known : dict
@@ -78,6 +85,9 @@ class Search:
     draws: int
     seed: int
     head: float
+    meets: str | None
+    remade: Remake
+    sized: Sized
     options: dict[str, Any]
     known: dict[Places, tuple[float, ...]] = field(default_factory=dict)
     _journal: Journal | None = None
@@ -117,18 +127,11 @@ class Search:
         InputError
             They make none.
         """
-        if isinstance(self.base.cut, Family):
-            made: Stone = self.base.cut.changed(**values).stone(
-                name=self.base.name, material=self.base.material, size_mm=self.base.size_mm
-            )
-            return made
-        return replace(
-            vary(self.base, [(key, (value,)) for key, value in values.items()])[0], name=self.base.name
-        )
+        return self.remade(values)
 
     def own_values(self) -> dict[str, float]:
         """Return the stone's own values of what is varied."""
-        known = figures_of(self.base)
+        known = varied_figures(self.base)
         return {by.name: known[by.name] for by in self.ranges}
 
     def values(self, places: Sequence[float]) -> dict[str, float]:
@@ -209,10 +212,11 @@ class Search:
         from gemrender.scoring import score
 
         if self.keep:
-            figures = figures_of(stone)
+            figures = varied_figures(stone)
             if not all(low <= figures[key] <= high for key, (low, high) in self.keep.items()):
                 return (-math.inf,) * len(self.aims)
         stones: dict[int, Stone] = {0: stone}
+        sizes: dict[int, dict[str, float]] = {}  # of a round stone they take longer than its light
         seen: dict[tuple[int, Pose], dict[str, float]] = {}
 
         def scorer(number: int, pose: Pose) -> Mapping[str, float]:
@@ -221,7 +225,9 @@ class Search:
                 stones[number] = draw(stone, unknown, self.seed, number)
             if (number, pose) not in seen:
                 tilt, azimuth = pose
-                values = {"volume": stones[number].solid.volume}
+                if number not in sizes:
+                    sizes[number] = self.sized.values(stones[number])
+                values = dict(sizes[number])
                 if self.measures:
                     found = score(
                         stones[number], measures=self.measures, head=self.head,
@@ -287,6 +293,8 @@ class Search:
             "head_deg": self.head,
             "measures": [[of.name, of.version] for of in self.measures],
             "options": self.options,
+            **({} if self.meets is None else {"meets": self.meets}),
+            **self.sized.to_dict(),
         }
 
     def _entry(self, line: Any) -> tuple[Places, tuple[float, ...]]:
@@ -312,6 +320,8 @@ def prepare_search(
     rounds: int = 1,
     seed: int = 1,
     head: float = DEFAULT_HEAD,
+    meets: str | None = None,
+    rough: Rough | None = None,
     options: dict[str, Any] | None = None,
     reach: float | None = None,
 ) -> Search:
@@ -330,7 +340,7 @@ def prepare_search(
         if not low <= value <= high:
             raise InputError(f"must be from {low:g} to {high:g}", key=key, value=value)
     check_reach(reach)
-    known = figures_of(stone)
+    known = varied_figures(stone)
     by_text = [text for text in vary_by if isinstance(text, str)]
     ranges = (
         *(by for by in vary_by if not isinstance(by, str)),
@@ -342,9 +352,12 @@ def prepare_search(
                 f"unknown key; must be one of {', '.join(known)}{did_you_mean(key, list(known))}", key="keep",
                 value=key,
             )  # fmt: skip
+    if unknown is None and any(aim.has_spread for aim in aims):
+        Rounding.of(stone)  # refuses designs, which no report rounds
     traced = {"bound": DEFAULT_SEARCH_BOUND, **(options or {}), "engine": "exact"}
     require_engine("exact", stones=[stone])  # its first kernel must not be called by two threads at once
     return Search(
         base=stone, aims=aims, ranges=ranges, keep=dict(keep or {}), unknown=unknown, draws=draws, seed=seed,
-        head=check_head(head), options=traced,
+        head=check_head(head), meets=meets, remade=remaker(stone, meets),
+        sized=Sized.of(aims, stone, rough), options=traced,
     )  # fmt: skip

@@ -119,7 +119,7 @@ def test_two_angles_that_cannot_both_be_are_refused_by_name():
     with pytest.raises(InputError, match=r"^PL angle = '35': meets cannot be kept: the girdle would change$"):
         meets.changed(asked)
     outline = {(0, "distance"): 1.5, (1, "distance"): 1.0}
-    with pytest.raises(InputError, match=r"keep the corner where .*PL and PW meet$") as caught:
+    with pytest.raises(InputError, match=r"keep where .*PL and PW meet$") as caught:
         meets.changed(asked | outline)
     assert "\n" not in str(caught.value)
 
@@ -172,6 +172,15 @@ def test_a_loose_tier_turns_about_the_middle_of_its_facets():
         np.sin(np.pi / 4) * middle[0] - np.cos(np.pi / 4) * middle[1], abs=SOLVED
     )
     assert made.tiers[:3] + made.tiers[4:] == design.tiers[:3] + design.tiers[4:]
+
+
+def test_a_tier_that_would_cut_a_meet_away_is_named():
+    """Hinged at the girdle, flatter breaks pass over the culet; the other change has no part in it."""
+    meets = Meets(read_asc(CASES / "round.asc"))
+    names = meets.design.tier_names()
+    asked = {(names.index("1"), "angle_deg"): -41.5, (names.index("A"), "angle_deg"): 38.0}
+    with pytest.raises(InputError, match=r"^1 angle = '41.5': meets cannot be kept: 1 would cut away"):
+        meets.changed(asked)
 
 
 def test_a_twin_of_a_facet_follows_it():

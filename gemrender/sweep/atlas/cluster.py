@@ -23,6 +23,13 @@ __all__ = ["in_dask"]
 
 #: How long a scheduler may take to answer, and how long it may have no worker [s].
 _ANSWER_S, _WORKERS_S = 10, 120
+#: Of Dask, for clusters that are started here: workers are not looked at every 10 ms, and do not give back
+#: the memory of every stone, which the next one takes again [bytes].
+_SETTINGS = {
+    "distributed.scheduler.allowed-failures": MOST_TRIES,
+    "distributed.worker.profile.enabled": False,
+    "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": 1 << 27,
+}
 #: Chunks in flight for each thread of the cluster: one under way and one that waits.
 _AHEAD = 2
 
@@ -106,7 +113,7 @@ def _client(address: str) -> Iterator[Client]:
         ) from error
     local = re.fullmatch(r"local(?::(\d+))?", address)
     with contextlib.ExitStack() as stack:
-        stack.enter_context(dask.config.set({"distributed.scheduler.allowed-failures": MOST_TRIES}))
+        stack.enter_context(dask.config.set(_SETTINGS))
         if local:
             number = None if local[1] is None else int(local[1])
             if number == 0:
