@@ -200,11 +200,12 @@ def render(
         bins=bins,
         range=range_,
     )
-    output_kind(path, frames=frames, transparent=shot.transparent, size=shot.size)
     moved = Move.of(move, to)
     if frames is not None:
         shot.check_film(path, frames=frames, fps=fps, move=moved)
-    elif move != "turntable" or to is not None:
+    else:
+        output_kind(path, transparent=shot.transparent, size=shot.size)
+    if frames is None and (move != "turntable" or to is not None):
         key, value = ("move", move) if move != "turntable" else ("to", to)
         raise InputError("is of films; give a number of --frames, too", key=key, value=value)
     tell_assumptions(stones, shot.gems)

@@ -194,13 +194,10 @@ def render_film(
     KeyboardInterrupt
         Interrupted; the frames that are done are kept.
     """
-    from gemrender.render.formats import output_kind
     from gemrender.render.shots import prepare
     from gemrender.scene.moves import Move
 
-    shot = prepare(stone, setup, **options)
-    output_kind(path, frames=frames, transparent=shot.transparent, size=shot.size)
-    moved = Move.of(move, to)
+    shot, moved = prepare(stone, setup, **options), Move.of(move, to)
     shot.check_film(Path(path), frames=frames, fps=fps, move=moved)
 
     def of_frame(frame: int) -> Callable[[float], None]:

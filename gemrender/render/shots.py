@@ -19,7 +19,7 @@ from gemrender.reading import did_you_mean
 from gemrender.render import photoreal
 from gemrender.render.curves import CURVES
 from gemrender.render.develop import EV_LIMIT
-from gemrender.render.formats import Background
+from gemrender.render.formats import Background, output_kind
 from gemrender.render.passes import check_range
 from gemrender.render.picture import Picture
 from gemrender.render.quality import Ends, Quality, ends_of
@@ -138,13 +138,14 @@ class Shot:
         Raises
         ------
         InputError
-            A size, a number of frames or a rate that no film has, or a move or a turn that does not go with
-            the rest.
+            An ending, a size, a number of frames or a rate that no film has, or a move or a turn that does
+            not go with the rest.
         BackendError
             The library that writes it is not installed.
         """
         from gemrender.render.film_files import check_film
 
+        output_kind(path, frames=frames, transparent=self.transparent, size=self.size)
         if self.bins_nm is not None:
             raise InputError("go into EXR pictures only", key="bins", value=len(self.bins_nm) - 1)
         if self.turn_deg and move.type == "turntable":
@@ -152,7 +153,7 @@ class Shot:
                 "is for still pictures only, and to rock and tilt", key="turn", value=self.turn_deg
             )
         move.check_ground(self.setup.ground.type)
-        check_film(path, *self.size, frames, fps)
+        check_film(path, *self.size, _whole("frames", frames), _number("fps", fps))
 
     def _options(self) -> dict[str, Any]:
         width, height = self.size

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 import sys
 from pathlib import Path
 
@@ -208,3 +209,35 @@ def test_an_aspect_beside_two_sides_is_refused():
         gemrender.InputError, match=r"size = 16000: must be such that the longer side is up to"
     ):
         picture_size(16000, "4:5")
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"path": "a.png"}, "frames = 3: go with a film, a file that ends in .mp4, .gif, .webp"),
+        ({"frames": 1}, "frames = 1: must be from 2 to 100000"),
+        ({"frames": "3"}, "frames = '3': must be a whole number"),
+        ({"fps": "fast"}, "fps = 'fast': must be a finite number"),
+        ({"fps": 100, "path": "a.gif"}, "fps = 100.0: must be from 1 to 50 "),
+        ({"move": "spin"}, "move = 'spin': must be one of turntable, rock, tilt"),
+        ({"to": 20}, "to = 20: is of rock and tilt; "),
+        ({"move": "rock", "to": 0}, "to = 0: must be above 0 and up to 90"),
+        ({"move": "rock", "setup": "hemisphere"}, "move = 'rock': must be turntable where "),
+        ({"turn": 5}, "turn = 5.0: is for still pictures only, and to rock and tilt"),
+        ({"bins": 4}, "bins = 4: go into EXR pictures only"),
+        ({"spp": 0}, "spp = 0: must be from 1 to "),
+    ],
+    ids=str,
+)
+def test_films_that_cannot_be_are_refused_before_any_work(options, words, folder, monkeypatch):
+    monkeypatch.setattr(photoreal, "render", lambda *_, **__: pytest.fail("told before any work"))
+    with pytest.raises(gemrender.InputError) as caught:
+        gemrender.render_film(**{"stone": "inoue-3", "path": "a.webp", "frames": 3, **options})
+    assert str(caught.value).startswith(words)
+    assert not list(folder.iterdir())
+
+
+def test_a_picture_can_be_kept(picture):
+    kept = pickle.loads(pickle.dumps(picture))
+    np.testing.assert_array_equal(kept.xyz, picture.xyz)
+    assert kept.metadata == picture.metadata
