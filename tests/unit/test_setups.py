@@ -18,8 +18,8 @@ from gemrender.scene.setup import Camera, Ground, Light, Setup, Sky, Zone, bundl
 from gemrender.scene.zones import layers
 
 BUNDLED = [
-    "arrows", "aset", "fire", "hearts", "hemisphere", "ideal-scope", "loupe", "studio", "velvet", "white",
-    "window",
+    "arrows", "aset", "fire", "hearts", "hemisphere", "ideal-scope", "loupe", "macro", "product", "studio",
+    "sun", "velvet", "white", "window",
 ]  # fmt: skip
 SETUPS = Path(gemrender.__file__).parent.parent / "scenes" / "setups"
 
