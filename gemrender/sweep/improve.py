@@ -27,7 +27,7 @@ from gemrender.stone import Stone
 from gemrender.sweep.goals import Goal, Pose
 from gemrender.sweep.ranges import Range, ranges_of
 from gemrender.sweep.rough import Rough
-from gemrender.sweep.sized import Sized
+from gemrender.sweep.sized import Sized, read_rough
 from gemrender.sweep.tilt import solid_digest
 from gemrender.sweep.unknown import Rounding, Unknown, draw
 from gemrender.sweep.varied import remaker, varied_figures
@@ -99,7 +99,7 @@ def improve(
     seed: int = 1,
     head: float = DEFAULT_HEAD,
     meets: str | None = None,
-    rough: Rough | None = None,
+    rough: Rough | str | None = None,
     options: dict[str, Any] | None = None,
     journal: Path | None = None,
     threads: int | None = None,
@@ -132,8 +132,9 @@ def improve(
         Half the angle at which the viewer's head is seen from the stone, 0 to below 90 [deg].
     meets : {"kept", "loose"}, optional
         Of a faceter's design, what becomes of its meet points (`gemrender.sweep.varied.remaker`).
-    rough : Rough, optional
-        What the stones are cut from, for goals of `yield` and `carat`; the answers have the size that fits.
+    rough : Rough or str, optional
+        What the stones are cut from (`gemrender.sweep.sized.read_rough`), for goals of `yield` and `carat`;
+        the answers have the size that fits.
     options : dict, optional
         Further arguments of `gemrender.score`: bound (0.1 by default), index ...
     journal : Path, optional
@@ -254,13 +255,13 @@ class _Search:
         seed: int,
         head: float,
         meets: str | None,
-        rough: Rough | None,
+        rough: Rough | str | None,
         options: dict[str, Any],
     ) -> None:
         self.base, self.aim, self.ranges, self.keep = stone, goal, ranges, keep
         self.unknown, self.draws, self.seed, self.head, self.options = unknown, draws, seed, head, options
         self.meets, self.remade = meets, remaker(stone, meets)
-        self.sized = Sized.of(goal, stone, rough)
+        self.sized = Sized.of(goal, stone, read_rough(rough) if isinstance(rough, str) else rough)
         self.known: dict[tuple[int, ...], float] = {}
         self.journal: Journal | None = None
         self.map: Callable[..., Iterable[Any]] = map
