@@ -26,6 +26,7 @@ from gemrender.errors import BackendError
 from gemrender.render.finish import denoised, developed, exposure_of
 from gemrender.render.frames import render_film
 from gemrender.render.photoreal import make_gems, render, require_denoiser
+from gemrender.scene.moves import Move
 from gemrender.scene.setup import load_setup
 from gemrender.stone import Stone
 
@@ -171,6 +172,7 @@ def turntable(out: Path, size: int, samples: int, seed: int, denoise: bool) -> N
         load_setup("velvet"),
         frames=FRAMES,
         fps=FPS,
+        move=Move(),
         ev=0.0,
         curve="filmic",
         denoise=denoise,

@@ -13,11 +13,12 @@ from gemrender.errors import InputError
 from gemrender.optics import Material
 from gemrender.scene.lighting import lights, reflectance, sky
 from gemrender.scene.mesh import placed_mesh, sweep_mesh, tube_mesh
+from gemrender.scene.moves import Move
 from gemrender.scene.placing import Placed, frame, place, towards
 from gemrender.scene.setup import Setup
 from gemrender.stone import Stone
 
-__all__ = ["MOST_PIXELS", "Gem", "PhotorealScene", "photoreal_scene"]
+__all__ = ["MOST_PIXELS", "Gem", "PhotorealScene", "photoreal_scene", "title_of"]
 
 #: Longest side of a picture [pixels].
 MOST_PIXELS = 16384
@@ -47,6 +48,11 @@ class Gem:
     material: Material
     material_name: str | float
     diameter_mm: float
+
+
+def title_of(gems: Sequence[Gem]) -> str:
+    """Return what a picture of stones is called: the stones and their materials."""
+    return ", ".join(f"{gem.stone.name} ({gem.material.name})" for gem in gems)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -99,7 +105,8 @@ def photoreal_scene(
     dispersion: bool = True,
     stock: bool = False,
     turn_deg: float = 0.0,
-    turntable: bool = False,
+    move: Move | None = None,
+    share: float = 0.0,
     samples: int = 64,
 ) -> PhotorealScene:
     """Return the scene of stones in a set-up.
@@ -120,15 +127,17 @@ def photoreal_scene(
         absorption, colours as RGB.
     turn_deg : float
         Turn of the stones about the vertical [deg].
-    turntable : bool
-        Whether the camera leaves room for all turns.
+    move : Move, optional
+        How the stones move in a film; the camera leaves room for all of it.
+    share : float
+        Share of the film that is over, 0 to 1.
     samples : int
         Samples a pixel where Mitsuba renders the scene.
 
     Raises
     ------
     InputError
-        A size that no picture has, or a camera too near.
+        A size that no picture has, a camera too near, or a move that a cup does not allow.
     """
     for key, side in (("width", width), ("height", height)):
         if not 1 <= side <= MOST_PIXELS:
@@ -142,12 +151,21 @@ def photoreal_scene(
         azimuth_deg=setup.camera.azimuth,
         sizes=[gem.diameter_mm / first_mm for gem in gems],
     )
-    points = np.concatenate([p.points() for p in placed])
-    target = np.array([0.0, 0.0, 0.5 * (points[:, 2].min() + points[:, 2].max())])
+    heights = np.concatenate([p.points()[:, 2] for p in placed])
+    target = np.array([0.0, 0.0, 0.5 * (heights.min() + heights.max())])
+    stones = [p.turned(turn_deg) for p in placed] if turn_deg else placed
+    seen = placed
+    if move is not None:
+        move.check_ground(setup.ground.type)
+        from_camera, on_ground = setup.camera.azimuth, setup.ground.type != "none"
+        every = move.all_placed(stones, azimuth_deg=from_camera, on_ground=on_ground)
+        seen = [stone for places in every for stone in places]
+        stones = move.placed(stones, share, azimuth_deg=from_camera, on_ground=on_ground)
+    points = np.concatenate([p.points() for p in seen])
     reach = float(np.hypot(*points[:, :2].T).max())
     try:
         _check_apart(setup, target, reach, float(points[:, 2].max()))
-        view = _sensor(setup, placed, target, width, height, turntable, samples)
+        view = _sensor(setup, seen, target, width, height, samples)
     except InputError as error:
         raise error.at(setup.source or setup.name) from error
     scene: dict[str, Any] = {
@@ -159,7 +177,6 @@ def photoreal_scene(
         scene["integrator"]["rr_depth"] = 32
     scene |= lights(setup, target, stock)
     scene |= sky(setup, target, stock)
-    stones = tuple(p.turned(turn_deg) if turn_deg else p for p in placed)
     built: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {}
     paper = {"type": "diffuse", "reflectance": reflectance(setup.ground.reflectance, stock)}
     if setup.ground.type == "plane":
@@ -184,7 +201,7 @@ def photoreal_scene(
     surfaces = tuple(_surface(gem, first_mm, dispersion, stock) for gem in gems)
     return PhotorealScene(
         plain=scene,
-        stones=stones,
+        stones=tuple(stones),
         surfaces=surfaces,
         built=built,
     )
@@ -230,18 +247,16 @@ def _surface(gem: Gem, first_mm: float, dispersion: bool, stock: bool) -> dict[s
 
 def _sensor(
     setup: Setup,
-    placed: list[Placed],
+    seen: list[Placed],
     target: np.ndarray,
     width: int,
     height: int,
-    turntable: bool,
     samples: int,
 ) -> dict[str, Any]:
     import mitsuba as mi
 
     camera = setup.camera
-    turns = [float(t) for t in range(0, 360, 10)] if turntable else [0.0]
-    origin, _, up, half = frame(camera, placed, target, width / height, turns)
+    origin, _, up, half = frame(camera, seen, target, width / height)
     to_world = mi.ScalarTransform4f().look_at(origin.tolist(), target.tolist(), up.tolist())
     film = {
         "type": "hdrfilm",

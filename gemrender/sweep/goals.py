@@ -16,7 +16,7 @@ import ast
 import math
 import operator
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -103,6 +103,31 @@ class Goal:
         if not found and not sizes:
             raise InputError(f"names no measure; there are {_listed()}", key="goal", value=text)
         return cls(text.strip(), tuple(found.values()), bool(spreads), tree, sizes)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The values that it is made of: as "measure.key", and those of `sizes`."""
+        return tuple(dict.fromkeys(map(_named, _leaves(self.tree))))
+
+    @property
+    def is_local(self) -> bool:
+        """Whether it is of the stone itself seen from straight above: without mean, worst and spread."""
+        calls = (node.func for node in ast.walk(self.tree) if isinstance(node, ast.Call))
+        return all(isinstance(of, ast.Name) and of.id in _SIMPLE for of in calls)
+
+    def partials(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Return the goal's exact derivatives by each of the values that it is made of (`is_local` ones).
+
+        Of min and max the one that counts, the first of equals, is differentiated; NaN where there is none.
+
+        Parameters
+        ----------
+        values : mapping
+            The values, by `names`.
+        """
+        names = self.names
+        _, slopes = _partials(self.tree, values, {name: place for place, name in enumerate(names)})
+        return dict(zip(names, slopes.tolist(), strict=True))
 
     def value(self, scorer: Scorer, draws: int = 0) -> float:
         """Return the goal of a stone.
@@ -191,8 +216,8 @@ def _check_call(node: ast.Call, found: dict[str, Measure], spreads: list[bool], 
     assert isinstance(node.func, ast.Name)
     name, arguments = node.func.id, node.args
     if name in _SIMPLE:
-        if len(arguments) < (1 if name == "abs" else 2):
-            raise InputError(f"{name} needs {'a value' if name == 'abs' else 'two values or more'}")
+        if len(arguments) != 1 if name == "abs" else len(arguments) < 2:
+            raise InputError(f"{name} needs {'one value' if name == 'abs' else 'two values or more'}")
         for argument in arguments:
             _check(argument, found, spreads, depth + 1)
     elif name in _OVER_TILTS:
@@ -239,5 +264,59 @@ def _value(node: ast.AST, scorer: Scorer, drawn: int, pose: Pose, draws: int) ->
             return float(_OVER_TILTS[name]([_value(arguments[0], scorer, drawn, at, draws) for at in poses]))
         values = [_value(arguments[0], scorer, number, pose, draws) for number in range(1, draws + 1)]
         return float(np.std(values, ddof=1)) if len(values) > 1 else 0.0
+    return float(scorer(drawn, pose)[_named(node)])
+
+
+def _leaves(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield the parts of a goal that name values."""
+    if isinstance(node, (ast.Name, ast.Attribute)):
+        yield node
+        return
+    parts = node.args if isinstance(node, ast.Call) else list(ast.iter_child_nodes(node))
+    for part in parts:
+        yield from _leaves(part)
+
+
+def _named(node: ast.AST) -> str:
+    """Return what is named, as "measure.key", or a size's name."""
     written = ast.unparse(node)
-    return float(scorer(drawn, pose)[_SIZES.get(written) or _names()[written]])
+    return _SIZES.get(written) or _names()[written]
+
+
+def _partials(
+    node: ast.AST, values: Mapping[str, float], places: Mapping[str, int]
+) -> tuple[float, np.ndarray]:
+    """Return the value of a part of a goal, and its derivatives by the values at these places, (n,)."""
+    if isinstance(node, ast.Constant):
+        return float(node.value), np.zeros(len(places))  # type: ignore[arg-type]
+    if isinstance(node, ast.UnaryOp):
+        value, slope = _partials(node.operand, values, places)
+        return (-value, -slope) if isinstance(node.op, ast.USub) else (value, slope)
+    if isinstance(node, ast.BinOp):
+        (a, by_a), (b, by_b) = (_partials(part, values, places) for part in (node.left, node.right))
+        try:
+            if isinstance(node.op, ast.Pow):  # the exponent is a number
+                value = a**b
+                return (
+                    (math.nan, by_a * math.nan)
+                    if isinstance(value, complex)
+                    else (value, b * a ** (b - 1.0) * by_a if b else by_b)
+                )
+            value = _OPERATORS[type(node.op)](a, b)
+            if isinstance(node.op, ast.Mult):
+                return value, b * by_a + a * by_b
+            if isinstance(node.op, ast.Div):
+                return value, (by_a - value * by_b) / b
+            return value, by_a + by_b if isinstance(node.op, ast.Add) else by_a - by_b
+        except (ZeroDivisionError, OverflowError, TypeError):
+            return math.nan, np.full(len(places), math.nan)
+    if isinstance(node, ast.Call):
+        assert isinstance(node.func, ast.Name)
+        parts = [_partials(part, values, places) for part in node.args]
+        if node.func.id == "abs":
+            (value, slope), *_ = parts
+            return abs(value), math.copysign(1.0, value) * slope
+        return (min if node.func.id == "min" else max)(parts, key=lambda part: part[0])
+    name, slopes = _named(node), np.zeros(len(places))
+    slopes[places[name]] = 1.0
+    return float(values[name]), slopes

@@ -35,19 +35,30 @@ class Range:
         Its name.
     low, high, step : float
         Its least and largest value, and the step between.
+    is_continuous : bool
+        Whether it is any number between them; the step is what places are counted in all the same.
+    unit : {"deg", "%", ""}
+        What it counts; nothing where it is a ratio.
     """
 
     name: str
     low: float
     high: float
     step: float
+    is_continuous: bool = False
+    unit: str = ""
 
     @property
     def count(self) -> int:
-        """Number of values."""
+        """Number of values, whole steps apart."""
         return math.floor((self.high - self.low) / self.step + 1e-9) + 1
 
-    def at(self, place: int) -> float:
+    @property
+    def last(self) -> float:
+        """The last place."""
+        return (self.high - self.low) / self.step if self.is_continuous else self.count - 1
+
+    def at(self, place: float) -> float:
         """Return a value by its place, from 0; in decimals, as it is written."""
         return float(f"{self.low + place * self.step:.10g}")
 
@@ -57,7 +68,8 @@ def ranges_of(
 ) -> tuple[Range, ...]:
     """Return the ranges of parameters that are varied: as "crown_angle", "table=54:58" or "table=54:58:0.5".
 
-    Of a design, as "P1 angle=40:43:0.1" (`gemrender.sweep.varied`).
+    A step of 0 is any number within the range. Of a design, as "P1 angle=40:43:0.1"
+    (`gemrender.sweep.varied`).
 
     Parameters
     ----------
@@ -101,15 +113,21 @@ def ranges_of(
             if isinstance(stone.cut, Design) and high < 0:  # as .asc files write the pavilion's
                 low, high = -high, -low
             step = rest[0] if rest else step
+        is_continuous = step == 0
+        step = step or STEPS[unit]
         least, most = _allowed(stone, name)
         low, high = max(low, least), min(high, most)
         if not low < high or not step > 0 or (high - low) / step > 1e6:
             raise InputError(
-                f"must have a range within {least:g} to {most:g} and a step above 0", key="vary", value=text
+                f"must have a range within {least:g} to {most:g} and a step of 0 or more",
+                key="vary",
+                value=text,
             )
-        # On whole steps, as a cutter counts them.
-        low = math.ceil(low / step - 1e-9) * step
-        ranges[name] = Range(name, low, high, step)
+        if not is_continuous:  # on whole steps, as a cutter counts them
+            low = math.ceil(low / step - 1e-9) * step
+            if low > high:
+                raise InputError(f"must have a multiple of the step {step:g} in it", key="vary", value=text)
+        ranges[name] = Range(name, low, high, step, is_continuous, "deg" if unit == "angle" else unit)
     if not ranges:
         raise InputError("names no parameter to vary", key="vary")
     return tuple(ranges.values())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -37,25 +38,27 @@ class Sized:
     density: float | None = None
 
     @classmethod
-    def of(cls, goal: Goal, stone: Stone, rough: Rough | None) -> Sized:
-        """Return what a goal needs of the sizes of stones such as this one.
+    def of(cls, goals: Sequence[Goal], stone: Stone, rough: Rough | None) -> Sized:
+        """Return what goals need of the sizes of stones such as this one.
 
         Raises
         ------
         InputError
-            It needs rough that is not given, or a density that the material has not.
+            They need rough that is not given, or a density that the material has not.
         """
-        if rough is None and stone.size_mm is not None and "yield" not in goal.sizes:
+        sizes = tuple(dict.fromkeys(name for goal in goals for name in goal.sizes))
+        text = "; ".join(goal.text for goal in goals)
+        if rough is None and stone.size_mm is not None and "yield" not in sizes:
             rough = Diameter(stone.size_mm)  # the size that it has is kept
         for name in ("yield", "carat"):
-            if name in goal.sizes and rough is None:
-                raise InputError(f"{name} needs rough, as --rough box=10x8x6", key="goal", value=goal.text)
-        if "yield" in goal.sizes and rough is not None and rough.volume_mm3 is None:
+            if name in sizes and rough is None:
+                raise InputError(f"{name} needs rough, as --rough box=10x8x6", key="goal", value=text)
+        if "yield" in sizes and rough is not None and rough.volume_mm3 is None:
             raise InputError(
                 "yield needs rough that has a volume, a box or a mesh; carat does not",
-                key="goal", value=goal.text,
+                key="goal", value=text,
             )  # fmt: skip
-        return cls(goal.sizes, rough, density_of(stone) if "carat" in goal.sizes else None)
+        return cls(sizes, rough, density_of(stone) if "carat" in sizes else None)
 
     def values(self, stone: Stone) -> dict[str, float]:
         """Return the values of a stone by name: [half length cubed], [%], [carat]."""
