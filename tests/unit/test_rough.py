@@ -186,7 +186,7 @@ def test_a_mesh_is_read_from_its_file(tmp_path):
 
 
 def values(goal, stone, rough):
-    return Sized.of(Goal.parse(goal), stone, rough).values(stone)
+    return Sized.of([Goal.parse(goal)], stone, rough).values(stone)
 
 
 def test_goals_name_yield_and_carat():
