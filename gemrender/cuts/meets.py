@@ -52,7 +52,7 @@ KEPT = 1e-9
 #: Steps end when they are shorter [rad, share of the solid's size].
 _SHORT = 1e-12
 #: Longest change at once that is solved for, longest step [rad, share of the solid's size], and most steps.
-_FAR, _TOO_FAR, _MOST_STEPS = 0.02, 0.3, 80
+_FAR, _TOO_FAR, _MOST_STEPS = 0.02, 0.3, 40
 #: Step of a derivative by the complex step [deg].
 _STEP = 1e-30
 
@@ -289,7 +289,10 @@ class Meets(Free):
             moved = self._moved(design, step)
             if moved is None:
                 break
-            design, kept = moved, self._kept(moved)
+            try:
+                design, kept = moved, self._kept(moved)
+            except np.linalg.LinAlgError:  # facets of a corner that have turned into one direction
+                break
             if length < _SHORT:
                 self._check(design, kept, asked)
                 return design

@@ -71,7 +71,7 @@ def improve(
     seed: int = 1,
     head: float = DEFAULT_HEAD,
     meets: str | None = None,
-    rough: Rough | None = None,
+    rough: Rough | str | None = None,
     options: dict[str, Any] | None = None,
     journal: Path | None = None,
     threads: int | None = None,
@@ -107,8 +107,9 @@ def improve(
         Half the angle at which the viewer's head is seen from the stone, 0 to below 90 [deg].
     meets : {"kept", "loose"}, optional
         Of a faceter's design, what becomes of its meet points (`gemrender.sweep.varied.remaker`).
-    rough : Rough, optional
-        What the stones are cut from, for goals of `yield` and `carat`; the answers have the size that fits.
+    rough : Rough or str, optional
+        What the stones are cut from, as `gemrender.sweep.sized.read_rough` reads it, for goals of `yield` and
+        `carat`; the answers have the size that fits.
     options : dict, optional
         Further arguments of `gemrender.score`: bound (0.1 by default), index ...
     journal : Path, optional

@@ -90,7 +90,7 @@ def pareto_front(
     seed: int = 1,
     head: float = DEFAULT_HEAD,
     meets: str | None = None,
-    rough: Rough | None = None,
+    rough: Rough | str | None = None,
     options: dict[str, Any] | None = None,
     journal: Path | None = None,
     threads: int | None = None,

@@ -23,7 +23,7 @@ from gemrender.sweep.cliffs import check_reach
 from gemrender.sweep.goals import Goal, Pose
 from gemrender.sweep.ranges import Range, ranges_of
 from gemrender.sweep.rough import Rough
-from gemrender.sweep.sized import Sized
+from gemrender.sweep.sized import Sized, read_rough
 from gemrender.sweep.tilt import solid_digest
 from gemrender.sweep.unknown import Rounding, Unknown, draw
 from gemrender.sweep.varied import Remake, remaker, varied_figures
@@ -321,7 +321,7 @@ def prepare_search(
     seed: int = 1,
     head: float = DEFAULT_HEAD,
     meets: str | None = None,
-    rough: Rough | None = None,
+    rough: Rough | str | None = None,
     options: dict[str, Any] | None = None,
     reach: float | None = None,
 ) -> Search:
@@ -359,5 +359,5 @@ def prepare_search(
     return Search(
         base=stone, aims=aims, ranges=ranges, keep=dict(keep or {}), unknown=unknown, draws=draws, seed=seed,
         head=check_head(head), meets=meets, remade=remaker(stone, meets),
-        sized=Sized.of(aims, stone, rough), options=traced,
+        sized=Sized.of(aims, stone, read_rough(rough) if isinstance(rough, str) else rough), options=traced,
     )  # fmt: skip

@@ -203,3 +203,8 @@ def test_tiers_of_a_design_whose_meets_are_kept(name):
         for score in ("average", "rear"):
             quotient = (getattr(high, score) - getattr(low, score)) / (2 * KEPT_STEP)
             assert getattr(derivative, score) == pytest.approx(quotient, abs=KEPT_QUOTIENT)
+
+
+def test_only_designs_have_meets():
+    with pytest.raises(InputError, match="meets = 'kept': only designs of tiers have meets"):
+        sensitivity(load_stone("gia-excellent"), meets="kept")
