@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from gemrender.stereo import StereoScore, score_stereo
     from gemrender.stone import Stone
     from gemrender.sweep.improve import improve
+    from gemrender.sweep.pareto import pareto_front
     from gemrender.sweep.tolerance import study_tolerance
     from gemrender.sweep.unknown import Cutting, Measuring, Rounding
 
@@ -86,6 +87,7 @@ __all__ = [
     "measure_maps",
     "mitsuba",
     "observe",
+    "pareto_front",
     "render",
     "render_film",
     "save_stone",
@@ -129,6 +131,7 @@ _ON_DEMAND = {
     "Rounding": "gemrender.sweep.unknown",
     "families": "gemrender.cuts.families",
     "improve": "gemrender.sweep.improve",
+    "pareto_front": "gemrender.sweep.pareto",
     "study_tolerance": "gemrender.sweep.tolerance",
     "VirtualFacets": "gemrender.beam",
     "sensitivity": "gemrender.beam.sensitivity",

@@ -49,7 +49,8 @@ def _table(title: str, table: TextTable) -> str:
     )
     notes = "\n".join(f'<p class="note">{html.escape(note.text)}</p>' for note in table.notes)
     return (
-        f'<div class="scroll" tabindex="0" role="region" aria-label="{html.escape(title)}"><table>'
+        f'<div class="scroll" style="margin-top: 1rem" tabindex="0" role="region" '
+        f'aria-label="{html.escape(title)}"><table>'
         f"<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}\n</tbody></table></div>\n{notes}\n"
     )
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from gemrender.cuts import RoundBrilliant
+from gemrender.cuts import RoundBrilliant, load_stone
 from gemrender.cuts.families import families
 from gemrender.stone import Stone
 from gemrender.sweep.goal_slopes import goal_slopes, has_slopes
@@ -70,6 +71,18 @@ def test_exact_slopes_are_those_of_differences(varied):
         )
         assert slopes[name].between is None
         assert slopes[name].slope == pytest.approx((high - low) / (2 * STEP), rel=CLOSE, abs=1e-6)
+
+
+def test_the_slopes_of_a_design_whose_other_tiers_follow():
+    """Its meets are kept, so that one angle moves many tiers: the chain goes through all of them."""
+    stone = load_stone(Path(__file__).parents[1] / "cases" / "stones" / "square-barion.asc")
+    search = prepare_search(stone, ["inoue"], ["P2 angle"])
+    values, step = search.own_values(), 1e-5
+    (slopes,) = goal_slopes(search, values)
+    low, high = (search.goals_of(search.stone_of({"P2 angle": 43.0 + by}))[0] for by in (-step, step))
+    assert values == {"P2 angle": 43.0}
+    assert slopes["P2 angle"].between is None
+    assert slopes["P2 angle"].slope == pytest.approx((high - low) / (2 * step), rel=CLOSE)
 
 
 def test_a_table_s_slope_depends_on_what_is_kept():
