@@ -42,7 +42,7 @@ def main() -> None:
 
     # Linear values are in picture.xyz; a PNG has an exposure and a curve.
     exposure = exposure_of(picture, setup)
-    print("written:", write_picture(arguments.out, picture, setup, exposure=exposure, curve="filmic"))
+    print("written:", write_picture(arguments.out, picture, setup, exposure=exposure, curve=setup.curve))
 
 
 if __name__ == "__main__":
