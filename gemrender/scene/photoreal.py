@@ -24,6 +24,9 @@ __all__ = ["MOST_PIXELS", "Gem", "PhotorealScene", "photoreal_scene", "title_of"
 MOST_PIXELS = 16384
 #: Half a width of grounds [girdle radius]: their edge is out of sight.
 _WIDE = 60.0
+#: How far below the stones the ground is for Mitsuba's own plugins [girdle radius]: level with a facet that
+#: lies on it, it would take half of the light that is reflected there, in the stone. `gem_path` knows better.
+_STOCK_GAP = 1e-4
 #: How much wider than its stone a cup is.
 _LOOSE = 1.0005
 
@@ -179,8 +182,9 @@ def photoreal_scene(
     scene |= sky(setup, target, stock)
     built: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {}
     paper = {"type": "diffuse", "reflectance": reflectance(setup.ground.reflectance, stock)}
+    gap = _STOCK_GAP if stock else 0.0
     if setup.ground.type == "plane":
-        scene["ground"] = {"type": "disk", "to_world": _scaled(_WIDE), "bsdf": paper}
+        scene["ground"] = {"type": "disk", "to_world": _lowered(gap) @ _scaled(_WIDE), "bsdf": paper}
     elif setup.ground.type == "sweep":
         # Towards the wall that stands behind the stones, as the camera sees them
         wall = max(setup.ground.distance, 2.5 * reach)  # the bend begins beyond the stones
@@ -190,6 +194,7 @@ def photoreal_scene(
             wall=wall,
             bend=0.6 * wall,
             azimuth_deg=setup.camera.azimuth + 180,
+            level=-gap,
         )
         built["ground"] = (build, {"type": "twosided", "bsdf": paper})
     elif setup.ground.type == "cup":
@@ -309,6 +314,12 @@ def _cup(placed: Placed, paper: dict[str, Any]) -> dict[str, Any]:
         "radius": _LOOSE * placed.scale,
         "bsdf": {"type": "twosided", "bsdf": paper},
     }
+
+
+def _lowered(by: float) -> Any:
+    import mitsuba as mi
+
+    return mi.ScalarTransform4f().translate([0.0, 0.0, -by])
 
 
 def _scaled(factor: float) -> Any:

@@ -65,9 +65,12 @@ def test_a_stock_scene_is_rendered_by_mitsubas_own_program(setup, gemrender, fol
 
 
 @pytest.mark.skipif(not MITSUBA.exists(), reason="needs Mitsuba's program")
-@pytest.mark.parametrize(("setup", "within"), [("hemisphere", 0.02), ("tent.toml", 0.03)])
+@pytest.mark.parametrize(
+    ("setup", "within"), [("hemisphere", 0.02), ("tent.toml", 0.03), ("black.toml", 0.03)]
+)
 def test_a_stock_scene_shows_what_the_picture_without_dispersion_shows(setup, within, gemrender, folder):
     Path("tent.toml").write_text(TENT)
+    Path("black.toml").write_text(TENT.replace("0.88", "0.0"))  # what it takes of the stone's light is seen
     options = ["--setup", setup, "--size", "16", "--spp", "128"]
     assert gemrender("render", "inoue-3", "-o", "a.exr", *options, "--no-dispersion")[0] == 0
     assert gemrender("scene", "inoue-3", "--out", ".", "--stock", *options)[0] == 0
