@@ -15,6 +15,8 @@ __all__ = ["finished"]
 _MOST_TURNS = 3
 #: Most goals that are looked at along slopes, and without slopes for each parameter.
 _MOST_ALONG, _MOST_EACH = 20, 40
+#: Bound of slopes that are followed [% per unit]: few rays, the same ones whatever the time they take.
+_ROUGHLY = 10.0
 #: Gains by less are none [of the goal]: an exact value has an error bound that is larger.
 _LEAST_GAIN = 1e-6
 #: Without slopes: size of the first simplex, and where it ends [steps].
@@ -73,7 +75,7 @@ def _continuous(search: Search, places: Places) -> Places:
         return float(search.losses(np.array([tried[-1]], dtype=float))[0, 0])
 
     def slopes(x: np.ndarray) -> np.ndarray:
-        found = goal_slopes(search, search.values(at(x)))[0]
+        found = goal_slopes(search, search.values(at(x)), bound=_ROUGHLY)[0]
         scale = [search.ranges[k].step for k in moving]
         slope = np.array([found[search.ranges[k].name].slope for k in moving])
         return np.asarray(-np.nan_to_num(slope) * scale)

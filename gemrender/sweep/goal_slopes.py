@@ -32,6 +32,8 @@ _SMALL = 1e-4
 _WITHIN = 0.9
 #: Wanted bound of the derivatives of measures [% per unit].
 _BOUND = 0.2
+#: What the derivatives of one stone may take [s]; past it they have a larger bound.
+_TIME = 5.0
 #: What of `parameters_of` a stone is made from, each a number of its own.
 _MADE_FROM = ("proportions", "tiers")
 #: What derivatives of volume are called; it is told by differences of exact volumes.
@@ -79,7 +81,10 @@ def has_slopes(goal: Goal) -> bool:
 
 
 def goal_slopes(
-    search: Search, values: Mapping[str, float], room: Mapping[str, tuple[float, float]] | None = None
+    search: Search,
+    values: Mapping[str, float],
+    room: Mapping[str, tuple[float, float]] | None = None,
+    bound: float = _BOUND,
 ) -> list[dict[str, GoalSlope]]:
     """Return the slopes of each goal of a search by each parameter that it varies.
 
@@ -92,18 +97,20 @@ def goal_slopes(
     room : mapping, optional
         How far below and above parameters nothing jumps, where that is known: differences of goals seen from
         straight above are taken within.
+    bound : float
+        Wanted bound of the derivatives of measures [% per unit].
     """
     exact: list[dict[str, GoalSlope] | None] = [None] * len(search.aims)
     if any(has_slopes(aim) for aim in search.aims):
         with contextlib.suppress(InputError):  # more virtual facets than can be differentiated
-            exact = _exact(search, values)
+            exact = _exact(search, values, bound)
     if None in exact:
         by_differences = _by_differences(search, values, room or {})
         return [by_differences[k] if known is None else known for k, known in enumerate(exact)]
     return [known for known in exact if known is not None]
 
 
-def _exact(search: Search, values: Mapping[str, float]) -> list[dict[str, GoalSlope] | None]:
+def _exact(search: Search, values: Mapping[str, float], bound: float) -> list[dict[str, GoalSlope] | None]:
     from gemrender.scoring import score
 
     stone = search.stone_of(values)
@@ -114,7 +121,7 @@ def _exact(search: Search, values: Mapping[str, float]) -> list[dict[str, GoalSl
         told[_VOLUME], slopes[_VOLUME] = stone.solid.volume, (volume, np.zeros(len(volume)))
     measures = [of for of in search.measures if of.smooth_keys]
     if measures:
-        slopes |= _measure_slopes(search, values, measures)
+        slopes |= _measure_slopes(search, values, measures, bound)
         scored = score(stone, measures=measures, head=search.head, **search.options)
         for each in scored.measures or ():
             told |= {f"{each.name}.{key}": value for key, value in each.values.items()}
@@ -122,13 +129,19 @@ def _exact(search: Search, values: Mapping[str, float]) -> list[dict[str, GoalSl
 
 
 def _measure_slopes(
-    search: Search, values: Mapping[str, float], measures: list[Measure]
+    search: Search, values: Mapping[str, float], measures: list[Measure], wanted: float
 ) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Return slopes of values of measures and their bounds, each by the ranges, (ranges,)."""
     stone = search.stone_of(values)
     short: Any = {key: of for key, of in search.options.items() if key in ShortForms.__annotations__}
     found = sensitivity(
-        stone, measures=measures, head=search.head, bound=_BOUND, seed=search.options.get("seed", 1), **short
+        stone,
+        measures=measures,
+        head=search.head,
+        bound=wanted,
+        seed=search.options.get("seed", 1),
+        time_limit=_TIME,
+        **short,
     )
     numbers = [of for of in found.derivatives if of.kept in _MADE_FROM]
 
