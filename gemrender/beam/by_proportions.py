@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from functools import partial
 
@@ -16,6 +16,7 @@ from gemrender.beam.slopes import slopes_within
 from gemrender.cuts.round_brilliant import RoundBrilliant
 from gemrender.cuts.round_brilliant.planes import facet_planes
 from gemrender.cuts.round_brilliant.proportions import brilliant_vertices
+from gemrender.measures.measure import Measure
 from gemrender.measures.tally import Tally
 from gemrender.stone import Stone
 
@@ -37,6 +38,7 @@ def proportion_planes(proportions: RoundBrilliant, parameter: str) -> np.ndarray
 def by_proportions(
     stone: Stone,
     tally: Tally,
+    over_views: Sequence[Measure],
     wanted: float,
     seed: int,
     budget: Budget,
@@ -49,8 +51,9 @@ def by_proportions(
     changes = [
         (proportion_planes(proportions, parameter), partial(_moved, parameter)) for parameter in PROPORTIONS
     ]
-    base, found = slopes_within(stone, changes, tally, wanted, seed, budget, progress)
-    derivatives = _derivatives(proportions, tally, dict(zip(PROPORTIONS, found, strict=True)))
+    base, found = slopes_within(stone, changes, tally, wanted, seed, budget, progress, over_views)
+    measures = [*tally.measures, *over_views]
+    derivatives = _derivatives(proportions, measures, dict(zip(PROPORTIONS, found, strict=True)))
     return result(stone, tally, base.values().mean(axis=0), derivatives, base.girdle, start)
 
 
@@ -62,7 +65,7 @@ def _moved(parameter: str, stone: Stone, by: float) -> Stone:
 
 
 def _derivatives(
-    proportions: RoundBrilliant, tally: Tally, slopes: dict[str, np.ndarray]
+    proportions: RoundBrilliant, measures: Sequence[Measure], slopes: dict[str, np.ndarray]
 ) -> list[Derivative]:
     """Put the derivatives together; those by angles follow from those by heights (the chain rule).
 
@@ -79,4 +82,4 @@ def _derivatives(
     }
     rows = [(name, "proportions", "%", slope) for name, slope in slopes.items()]
     rows += [(name, "angles", unit, slope) for name, (unit, slope) in angles.items()]
-    return [derivative(name, kept, unit, tally, slope) for name, kept, unit, slope in rows]
+    return [derivative(name, kept, unit, measures, slope) for name, kept, unit, slope in rows]

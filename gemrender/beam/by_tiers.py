@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from gemrender.beam.budget import Budget
 from gemrender.beam.compiled import STEP
-from gemrender.beam.derivatives import Sensitivity, derivative, facet_sides, result, score_slopes
-from gemrender.beam.facets import trace_facets
+from gemrender.beam.derivatives import Sensitivity, derivative, result
+from gemrender.beam.slopes import exact_slopes
 from gemrender.beam.solid import beam_stone
 from gemrender.cuts.design import Design
-from gemrender.errors import InputError
+from gemrender.measures.measure import Measure
 from gemrender.measures.tally import Tally
 from gemrender.stone import Stone
 
@@ -48,6 +48,9 @@ def by_tiers(
     stone: Stone,
     design: Design,
     tally: Tally,
+    over_views: Sequence[Measure],
+    wanted: float,
+    seed: int,
     budget: Budget,
     progress: Callable[[float], None] | None,
     start: float,
@@ -56,26 +59,20 @@ def by_tiers(
     if tally.model.rear == "position":
         # The same, where the girdle's lower edge is level; it does not stay so when one tier moves.
         tally = tally.of_model(replace(tally.model, rear="facet"))
-    convex, view, model = beam_stone(stone), tally.view, tally.model
-    facets = trace_facets(convex, view=view, model=model, budget=budget)
-    if facets.left_over:
-        raise InputError(
-            f"falls into more virtual facets than can be differentiated: {facets.why_left_over}",
-            source=stone.source or stone.name,
-        )
     parameters = tier_parameters(stone, design)
     names, unit = design.tier_names(), design_unit(stone, design)
-    derivatives, scores = [], np.zeros(2)
-    for done, (tier, quantity) in enumerate(parameters, start=1):
-        planes = tier_planes(stone, design, tier, quantity)
-        scores, slopes = score_slopes(tally, facet_sides(convex, planes, tally, whole=True))
-        is_angle = quantity == "angle_deg"
-        if not is_angle:  # a distance counts in per cent of the stone's unit
-            slopes *= 0.01 * unit
-        name = f"{names[tier]} {'angle' if is_angle else 'distance'}"
-        derivatives.append(derivative(name, "tiers", "deg" if is_angle else "%", tally, slopes))
-        if progress is not None:
-            progress(done / len(parameters))
+    # A distance counts in per cent of the stone's unit.
+    changes = [
+        (tier_planes(stone, design, tier, quantity), 1.0 if quantity == "angle_deg" else 0.01 * unit)
+        for tier, quantity in parameters
+    ]
+    scores, slopes = exact_slopes(
+        beam_stone(stone), changes, tally, wanted, seed, budget, progress, over_views, whole=True
+    )  # fmt: skip
+    derivatives, measures = [], [*tally.measures, *over_views]
+    for (tier, quantity), slope in zip(parameters, slopes, strict=True):
+        words, of = ("angle", "deg") if quantity == "angle_deg" else ("distance", "%")
+        derivatives.append(derivative(f"{names[tier]} {words}", "tiers", of, measures, slope))
     return result(stone, tally, scores, derivatives, 0.0, start)
 
 

@@ -45,7 +45,7 @@ class Aset(Measure):
         "tied",
         "weighted_tied",
     )
-    smooth_keys = (*_SHOWN, "trapped", "tied")
+    smooth_keys = keys
     is_axial = True
 
     def contributions(self, light: Light) -> np.ndarray:

@@ -13,7 +13,8 @@ from gemrender.beam import beam_stone
 from gemrender.beam.by_parameters import changes_of
 from gemrender.beam.by_tiers import tier_planes
 from gemrender.beam.compiled import STEP
-from gemrender.beam.derivatives import facet_sides, facet_totals, smooth_values
+from gemrender.beam.derivatives import smooth_values
+from gemrender.beam.totals import facet_sides, facet_totals
 from gemrender.beam.sensitivity import PROPORTIONS, proportion_planes, sensitivity, smooth_measures
 from gemrender.cuts import RoundBrilliant, load_stone
 from gemrender.cuts.families import families
