@@ -20,7 +20,7 @@ from gemrender.measures.measure import Measure
 from gemrender.measures.tally import Tally
 from gemrender.stone import Stone
 
-__all__ = ["PROPORTIONS", "by_proportions", "proportion_planes"]
+__all__ = ["PROPORTIONS", "by_angles", "by_proportions", "proportion_planes"]
 
 #: The proportions that a stone is differentiated by, as `RoundBrilliant` names them.
 PROPORTIONS = (
@@ -67,19 +67,23 @@ def _moved(parameter: str, stone: Stone, by: float) -> Stone:
 def _derivatives(
     proportions: RoundBrilliant, measures: Sequence[Measure], slopes: dict[str, np.ndarray]
 ) -> list[Derivative]:
-    """Put the derivatives together; those by angles follow from those by heights (the chain rule).
+    """Put the derivatives together; those by angles follow from those by heights (the chain rule)."""
+    rows = [(name, "proportions", "%", slope) for name, slope in slopes.items()]
+    for name, (unit, chain) in by_angles(proportions).items():
+        rows.append((name, "angles", unit, np.sum([by * slopes[of] for of, by in chain.items()], axis=0)))
+    return [derivative(name, kept, unit, measures, slope) for name, kept, unit, slope in rows]
+
+
+def by_angles(proportions: RoundBrilliant) -> dict[str, tuple[str, dict[str, float]]]:
+    """Return what a laboratory report prints: of each its unit, and the derivatives of proportions by it.
 
     crown height = (100 - table) / 2 tan(crown angle), pavilion depth = 50 tan(pavilion angle).
     """
     crown, pavilion = (math.radians(a) for a in (proportions.crown_angle_deg, proportions.pavilion_angle_deg))
-    by_crown, by_pavilion = slopes["crown_height"], slopes["pavilion_depth"]
-    degree = math.radians(1.0)
-    angles = {
-        "table": ("%", slopes["table"] - 0.5 * math.tan(crown) * by_crown),
-        "crown_angle": ("deg", degree * (100.0 - proportions.table) / 2 / math.cos(crown) ** 2 * by_crown),
-        "pavilion_angle": ("deg", degree * 50.0 / math.cos(pavilion) ** 2 * by_pavilion),
-        "lower_half": ("%", -slopes["lower_girdle_contact"]),
+    degree, half = math.radians(1.0), (100.0 - proportions.table) / 2
+    return {
+        "table": ("%", {"table": 1.0, "crown_height": -0.5 * math.tan(crown)}),
+        "crown_angle": ("deg", {"crown_height": degree * half / math.cos(crown) ** 2}),
+        "pavilion_angle": ("deg", {"pavilion_depth": degree * 50.0 / math.cos(pavilion) ** 2}),
+        "lower_half": ("%", {"lower_girdle_contact": -1.0}),
     }
-    rows = [(name, "proportions", "%", slope) for name, slope in slopes.items()]
-    rows += [(name, "angles", unit, slope) for name, (unit, slope) in angles.items()]
-    return [derivative(name, kept, unit, measures, slope) for name, kept, unit, slope in rows]

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from gemrender.beam.budget import Budget
+from gemrender.beam.budget import TIME_RANGE, Budget
 from gemrender.beam.compiled import STEP
 from gemrender.beam.derivatives import score_slopes, smooth_values
 from gemrender.beam.facets import trace_facets
@@ -81,7 +81,9 @@ def slopes_within(
     rays, least = _RAYS, _least_near(stone, tally, budget)
     while True:
         before = budget.seconds
-        part = Budget(budget.time_limit / (_TRACES * len(changes)), budget.memory_limit)
+        part = Budget(
+            max(budget.time_limit / (_TRACES * len(changes)), TIME_RANGE[0]), budget.memory_limit
+        )  # fmt: skip
         base = Scored(stone, tally, seed, rays, budget=part)
         slopes = []
         for done, (planes, moved) in enumerate(changes, start=1):

@@ -23,7 +23,16 @@ from gemrender.optics.fresnel import reflectance
 from gemrender.paths import Paths
 from gemrender.stone import Stone
 
-__all__ = ["Side", "facet_sides", "facet_totals", "least_share", "refuse_left_over", "side_sums"]
+__all__ = [
+    "Side",
+    "channel_sums",
+    "facet_sides",
+    "facet_totals",
+    "least_share",
+    "refuse_left_over",
+    "side_sums",
+    "trace_planes",
+]
 
 #: Where all light is followed: polygons down to the smallest of these shares of the view, area times weight,
 #: with which there are not more virtual facets than so many (each is some three times as many as the one
@@ -90,10 +99,10 @@ def facet_totals(
     """
     view = view or View(resolution=1)
     tally = tally or Tally(view, model or Model.of(convex.stone))
-    return _sums(tally, _trace(convex, planes, tally, whole, least, walls_move=True)[1])
+    return channel_sums(tally, trace_planes(convex, planes, tally, whole, least, walls_move=True)[1])
 
 
-def _trace(
+def trace_planes(
     convex: BeamStone, planes: np.ndarray, tally: Tally, whole: bool, least: float, walls_move: bool
 ) -> tuple[Traced, Paths, np.ndarray | None]:
     """Trace planes, all light if a measure needs it; return polygons, paths, and their unfolding."""
@@ -108,7 +117,7 @@ def _trace(
     return traced, polygon_paths(traced, planes, convex.facet, view, convex.stone, unfolded), unfolded
 
 
-def _sums(tally: Tally, paths: Paths) -> np.ndarray:
+def channel_sums(tally: Tally, paths: Paths) -> np.ndarray:
     """Return what `facet_totals` does."""
     model, is_principal = tally.model, paths.partial_reflections == 0
     rear, near = inoue.rear_mask(paths, model), paths.status == RayStatus.MISSED
@@ -162,13 +171,13 @@ def facet_sides(
 def _side(
     convex: BeamStone, planes: np.ndarray, tally: Tally, whole: bool, least: float, walls_move: bool
 ) -> Side:
-    traced, paths, unfolded = _trace(convex, planes, tally, whole, least, walls_move)
+    traced, paths, unfolded = trace_planes(convex, planes, tally, whole, least, walls_move)
     is_balanced = _is_balanced(traced, paths)
     later = None
     if tally.follows_all and unfolded is not None:
         is_balanced = is_balanced and _is_light_balanced(paths, tally.model.index)
         later = LaterCells(convex, planes, traced, paths, unfolded, tally)
-    return Side(_sums(tally, paths), later, is_balanced)
+    return Side(channel_sums(tally, paths), later, is_balanced)
 
 
 def _is_balanced(traced: Traced, paths: Paths) -> bool:
