@@ -80,7 +80,7 @@ class LaterCells:
             chance = 0.5 * (chance + grows / growth)
         kept = np.flatnonzero(chance > 0.0)
         self._of, self._chance = of[kept], chance[kept] / chance[kept].sum()
-        self._triangles, self._areas, self._amounts = triangles[kept], areas[kept], amounts[kept]
+        self._triangles, self._areas = triangles[kept], areas[kept]
         self._maps = traced.beams[cells, :9].reshape(-1, 3, 3)
         self._paths, self._unfolding = paths.rows(cells), unfolding[traced.facts[cells, 1]]
         moves = float(np.abs(planes.imag).max()) / STEP
@@ -125,7 +125,9 @@ class LaterCells:
         of_cells = replace(self._paths, **moved)
         starts, maps = cell_starts(of_cells, _moved(self._unfolding, by)), _moved(self._maps, by)
         triangles, upto = _moved(self._triangles, by), np.cumsum(self._chance)
-        areas, amounts = (_moved(of, by) / self._chance for of in (self._areas, self._amounts))
+        share = of_cells.weight * transmittance(of_cells.cos_entry, tally.model.index)
+        areas = _moved(self._areas, by) / self._chance
+        amounts = areas * share[self._of]
         by_triangle = np.arange(len(self._of))
         starts = starts._replace(numbers=starts.numbers[:, self._of], facts=starts.facts[:, self._of])
         maps = maps[self._of]

@@ -103,7 +103,7 @@ def measure_slopes_table(sensitivities: Sequence[Sensitivity]) -> TextTable:
         "Where the slopes on both sides differ their mean is told, and half of the difference is in ±."
     )
     table.note(
-        "Other than that, ± is the error (99.9 %) of what rays tell: light near a round girdle, light that has been "
+        "Else ± is the error (99.9 %) of what rays tell: light near a round girdle, light that has been "
         "reflected in part so often that polygons follow it no further, and measures over all views."
     )
     return table
