@@ -131,13 +131,17 @@ def sensitivity(
         Seed of the rays near the girdle.
     bound : float
         Wanted bound of every derivative [% per unit]. Rays near the girdle are added until it is reached, but
-        no more than 8192 of each of the sixteen sets, and none that time is not left for.
+        no more than 8192 of each of the sixteen sets, four times as many for light that has been reflected in
+        part, and none that time is not left for.
     time_limit, memory_limit : float
         What it may take [s], [GiB].
     progress : callable, optional
         Called with the share done, 0 to 1.
     measures : str, Measure, or iterable of them
-        Further measures (`smooth_measures`); `all` for all of them that can be differentiated.
+        Further measures (`smooth_measures`); `all` for all of them that can be differentiated. Of all light
+        polygons tell the derivative exactly down to a least share of the view (1e-8 for most stones), and
+        rays that of the rest, with its bound (`later`); measures over all views are difference quotients of
+        rays, with theirs (`hemisphere_slopes`).
     head : float
         Half the angle at which the viewer's head is seen from the stone, 0 to below 90 [deg].
     **short

@@ -347,8 +347,10 @@ def test_sensitivity_as_json(gemrender):
 
 
 def test_sensitivity_of_measures(gemrender):
-    (found,) = json.loads(gemrender("sensitivity", "inoue-3", "--measures", "window,aset", "--json")[1])
+    command = ["sensitivity", "inoue-3", "--material", "quartz", "--derivative-bound", "10"]
+    (found,) = json.loads(gemrender(*command, "--measures", "window,aset", "--json")[1])
     zones = ["green", "red", "blue", "leak", "trapped", "tied"]
+    zones += [f"weighted_{zone}" for zone in zones[:4]] + ["surface", "rest", "weighted_tied"]
     for of in found["derivatives"]:
         assert list(of)[-1] == "measures"
         assert {name: list(values) for name, values in of["measures"].items()} == {
