@@ -24,8 +24,8 @@ class Paths:
     """Paths of light, one row a path, followed back from the eye: of a pixel, a ray, or a virtual facet.
 
     No tracer knows a measure, and no measure a tracer: measures are functions of these
-    (`gemrender.measures`). Where planes carry derivatives (complex128), so do areas, cosines, points and
-    directions.
+    (`gemrender.measures`). Where planes carry derivatives (complex128), so do areas, weights, cosines, points
+    and directions.
 
     Where all light is followed, a ray has a row for each crossing through which some of it leaves, and the
     first of them is its principal path: rows with no partial reflection together make the view. The share of
@@ -37,7 +37,7 @@ class Paths:
         Area of the view that each stands for [stone's unit^2]. Of random continuations (rows of a ray that
         has been reflected in part) the area divided by the probability of being chosen: sums of area times
         share are unbiased.
-    weight : (n,) float64
+    weight : (n,) float64 or complex128
         Product of the reflectances at the partial reflections inside before it leaves; 1 without any.
     status : (n,) int64
         `RayStatus`. TRAPPED is light that is still inside where it was followed no further.

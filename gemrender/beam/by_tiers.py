@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from gemrender.beam.budget import Budget
 from gemrender.beam.compiled import STEP
-from gemrender.beam.derivatives import Sensitivity, derivative, facet_sides, result, score_slopes
-from gemrender.beam.facets import trace_facets
+from gemrender.beam.derivatives import Sensitivity, derivative, result
+from gemrender.beam.slopes import exact_slopes
 from gemrender.beam.solid import beam_stone
 from gemrender.cuts.design import Design
 from gemrender.cuts.meets import changeable
 from gemrender.cuts.turning import Quantity, parameter_name, tier_parameters, values_of, with_tiers
 from gemrender.errors import InputError
+from gemrender.measures.measure import Measure
 from gemrender.measures.tally import Tally
 from gemrender.stone import Stone
 
@@ -56,6 +57,9 @@ def by_tiers(
     stone: Stone,
     design: Design,
     tally: Tally,
+    over_views: Sequence[Measure],
+    wanted: float,
+    seed: int,
     budget: Budget,
     progress: Callable[[float], None] | None,
     start: float,
@@ -75,19 +79,11 @@ def by_tiers(
         stone = design.stone(
             name=stone.name, material=stone.material, source=stone.source, size_mm=stone.size_mm
         )
-    convex, view, model = beam_stone(stone), tally.view, tally.model
-    facets = trace_facets(convex, view=view, model=model, budget=budget)
-    if facets.left_over:
-        raise InputError(
-            f"falls into more virtual facets than can be differentiated: {facets.why_left_over}",
-            source=stone.source or stone.name,
-        )
-    parameters = parameters_of_stone(stone, design)
     unit = design_unit(stone, design)
-    derivatives, scores = [], np.zeros(2)
     angles, distances = values_of(design)
     apart = _APART * np.random.default_rng(1).uniform(-1.0, 1.0, len(stone.facets))
-    for done, (tier, quantity) in enumerate(parameters, start=1):
+    names, changes = [], []
+    for tier, quantity in parameters_of_stone(stone, design):
         with contextlib.suppress(InputError):
             by_angle, by_distance = ways.slopes(tier, quantity)
             moving = with_tiers(
@@ -98,14 +94,18 @@ def by_tiers(
             planes = _in_stone(stone, moving)
             if meets == "kept":
                 planes[:, 3] += apart
-            scores, slopes = score_slopes(tally, facet_sides(convex, planes, tally, whole=True))
             is_angle = quantity == "angle_deg"
-            if not is_angle:  # a distance counts in per cent of the stone's unit
-                slopes *= 0.01 * unit
-            name, of = parameter_name(design, tier, quantity), "deg" if is_angle else "%"
-            derivatives.append(derivative(name, KEPT_BY_WAY[meets], of, tally, slopes))
-        if progress is not None:
-            progress(done / len(parameters))
+            # A distance counts in per cent of the stone's unit.
+            changes.append((planes, 1.0 if is_angle else 0.01 * unit))
+            names.append((parameter_name(design, tier, quantity), "deg" if is_angle else "%"))
+    scores, slopes = exact_slopes(
+        beam_stone(stone), changes, tally, wanted, seed, budget, progress, over_views, whole=True
+    )  # fmt: skip
+    measures = [*tally.measures, *over_views]
+    derivatives = [
+        derivative(name, KEPT_BY_WAY[meets], of, measures, slope)
+        for (name, of), slope in zip(names, slopes, strict=True)
+    ]
     return result(stone, tally, scores, derivatives, 0.0, start)
 
 

@@ -103,6 +103,10 @@ def measure_slopes_table(sensitivities: Sequence[Sensitivity]) -> TextTable:
     table.note(
         "Where the slopes on both sides differ their mean is told, and half of the difference is in ±."
     )
+    table.note(
+        "Else ± is the error (99.9 %) of what rays tell: light near a round girdle, light that has been "
+        "reflected in part so often that polygons follow it no further, and measures over all views."
+    )
     return table
 
 
