@@ -8,7 +8,16 @@ from typing import Annotated, Any
 
 import typer
 
-from gemrender.cli.gems import SIZE, GemOptions, Setup, Size, load_gems, picture_size
+from gemrender.cli.gems import (
+    SIZE,
+    GemOptions,
+    SettingOptions,
+    Setup,
+    Size,
+    load_gems,
+    picture_size,
+    with_settings,
+)
 from gemrender.cli.groups import command
 from gemrender.cli.options import ENGINE, Stones, output_option
 from gemrender.cli.output import output_file, progress_bar, say
@@ -27,6 +36,7 @@ PICTURE, FILM = "Picture", "Film"
 def render(
     stones: Stones,
     gem: GemOptions,
+    held: SettingOptions,
     out: Annotated[
         str,
         output_option(
@@ -145,7 +155,7 @@ def render(
     kind = output_kind(path, frames=frames, transparent=transparent, size=(width, height))
     ends = ends_of(Quality(quality) if quality else None, spp=spp, noise=noise, time_limit=time)
     gems = load_gems(stones, gem)
-    around = load_setup(setup)
+    around = with_settings(load_setup(setup), held)
     options: dict[str, Any] = {
         "width": width,
         "height": height,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,19 +22,24 @@ from gemrender.reading import (
     text_line,
 )
 from gemrender.scene import setup_checks as check
+from gemrender.scene.settings.setting import Setting
+from gemrender.scene.things import Thing, things_of
 from gemrender.scene.zones import Zone, zones_of
 
 __all__ = [
     "CAMERAS",
     "EXPOSURES",
+    "GIRDLES",
     "GROUNDS",
     "LIGHTS",
     "POSES",
     "Camera",
     "Ground",
     "Light",
+    "Setting",
     "Setup",
     "Sky",
+    "Thing",
     "Zone",
     "bundled_setups",
     "load_setup",
@@ -46,6 +51,7 @@ SKIES = ("uniform", "hemisphere", "zones")
 GROUNDS = ("none", "plane", "sweep", "cup")
 EXPOSURES = ("stones", "ground", "light")
 POSES = ("table-up", "lying", "table-down")
+GIRDLES = ("polished", "faceted", "bruted")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -221,6 +227,9 @@ class Setup:
         Azimuth that the table of a lying stone leans to, from the camera's [deg].
     gap : float
         Between stones that stand side by side [girdle radius].
+    girdle : {"polished", "faceted", "bruted"}
+        Finish of the stones' girdles: smooth, with a round one as it is; a round one in level facets; or
+        ground and matt. A girdle that is not round has its facets in any case.
     white : str or float
         The light that is white in the picture, as a light's spectrum.
     expose_for : {"stones", "ground", "light"}
@@ -230,6 +239,10 @@ class Setup:
         Correction of the automatic exposure [stops].
     camera, lights, sky, ground
         The parts.
+    setting : Setting
+        What holds each of the stones. A stone in one stands table up, whether its pose is that or lying.
+    things : tuple of Thing
+        Meshes beside the stones.
     source : str or None
         The file, for error messages.
     """
@@ -239,6 +252,7 @@ class Setup:
     pose: str = "table-up"
     facing: float = 0.0
     gap: float = 0.4
+    girdle: str = "polished"
     white: str | float = "d65"
     expose_for: str = "stones"
     exposure: float = 0.0
@@ -246,11 +260,14 @@ class Setup:
     lights: tuple[Light, ...] = ()
     sky: Sky = field(default_factory=Sky)
     ground: Ground = field(default_factory=Ground)
+    setting: Setting = field(default_factory=Setting)
+    things: tuple[Thing, ...] = ()
     source: str | None = None
 
     def __post_init__(self) -> None:
         with Mistakes() as mistakes:
             mistakes.of(check.one_of, self, "pose", POSES)
+            mistakes.of(check.one_of, self, "girdle", GIRDLES)
             mistakes.of(check.one_of, self, "expose_for", EXPOSURES)
             mistakes.of(check.within, self, "facing", -360, 360)
             mistakes.of(check.within, self, "gap", 0.01, 100)
@@ -258,8 +275,31 @@ class Setup:
             mistakes.of(check.spectrum, self, "white")
         if self.ground.type == "cup" and self.pose != "table-up":
             raise InputError("must be table-up in a cup", key="pose", value=self.pose)
+        if self.setting.type != "none":
+            if self.pose == "table-down":
+                raise InputError("must not be table-down in a setting", key="pose", value=self.pose)
+            if self.ground.type == "cup":
+                raise InputError("must be none in a cup", key="setting", value=self.setting.type)
         if self.sky.is_dark and not any(light.radiance > 0 for light in self.lights):
             raise InputError("needs a light or a sky with a radiance above 0", key="[[light]]")
+
+    def grown(self, scale: float) -> Setup:
+        """Return the set-up of something larger: camera, lights and ground as they are, but farther off."""
+        lights = tuple(
+            replace(
+                light, distance=scale * light.distance, size=(scale * light.size[0], scale * light.size[1])
+            )
+            for light in self.lights
+        )
+        return replace(
+            self,
+            camera=replace(
+                self.camera,
+                **{key: scale * getattr(self.camera, key) for key in ("distance", "aperture", "focus")},
+            ),
+            lights=tuple(lights),
+            ground=replace(self.ground, distance=scale * self.ground.distance),
+        )
 
 
 def load_setup(setup: str | os.PathLike[str]) -> Setup:
@@ -283,22 +323,24 @@ def load_setup(setup: str | os.PathLike[str]) -> Setup:
     source = str(path)
     with located_at(source), Mistakes() as mistakes:
         top = parse_toml(read_lines(path, kind="set-up"), kind="set-up")
-        keys = [f.name for f in fields(Setup) if f.name not in ("source", "lights")]
-        mistakes.of(refuse_unknown, top, [*keys, "light"])
+        keys = [f.name for f in fields(Setup) if f.name not in ("source", "lights", "things")]
+        mistakes.of(refuse_unknown, top, [*keys, "light", "thing"])
         values: dict[str, Any] = {
             key: top[key]
-            for key in ("pose", "facing", "gap", "white", "expose_for", "exposure")
+            for key in ("pose", "facing", "gap", "girdle", "white", "expose_for", "exposure")
             if key in top
         }
         values["name"] = mistakes.of(text_line, top, "name", stem(path, "set-up"), 100)
         values["about"] = mistakes.of(text_line, top, "about", "", 1000, empty=True)
         before = len(mistakes.errors)
-        for key, part in (("camera", Camera), ("sky", Sky), ("ground", Ground)):
+        for key, part in (("camera", Camera), ("sky", Sky), ("ground", Ground), ("setting", Setting)):
             if key in top:
                 values[key] = mistakes.of(_part, part, top, key, mistakes)
         values["lights"] = mistakes.of(_lights, top.get("light", []), mistakes)
+        values["things"] = mistakes.of(things_of, top.get("thing", []), path.parent, mistakes)
         if len(mistakes.errors) > before:  # other parts in their place, for the other keys to be checked
             values |= {"camera": Camera(), "sky": Sky(radiance=1.0), "ground": Ground(), "lights": ()}
+            values |= {"setting": Setting(), "things": ()}
         made = mistakes.of(Setup, **values, source=source)
     assert made is not None
     return made
