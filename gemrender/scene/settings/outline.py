@@ -11,6 +11,8 @@ from gemrender.stone import ConvexSolid, Stone
 
 __all__ = ["Outline", "claw_directions"]
 
+#: Chords that stand for a round girdle: they are 3e-4 within it, a seventh of what metal keeps away.
+_CHORDS = 128
 #: A corner of the outline turns by this at least [deg],
 _CORNER_DEG = 50.0
 #: within such a stretch of its length [girdle radius].
@@ -47,12 +49,13 @@ class Outline:
         from scipy.spatial import ConvexHull
 
         solid = stone.solid
+        vertices = solid.vertices
         if isinstance(solid, ConvexSolid):
-            edges = solid.polyhedron.edges[:, :2]
+            body = solid.cut(_CHORDS) if solid.is_round else solid.polyhedron
+            vertices, edges = body.vertices, body.edges[:, :2]
         else:
             faces = ConvexHull(solid.vertices).simplices
             edges = np.unique(np.sort(np.concatenate([faces[:, [k, (k + 1) % 3]] for k in range(3)])), axis=0)
-        vertices = solid.vertices
         return cls(vertices, edges, vertices[ConvexHull(vertices[:, :2]).vertices, :2])
 
     @cached_property

@@ -64,7 +64,7 @@ def profile_ring(rows: np.ndarray) -> PlainMesh:
         inside, down along its outside.
     """
     n, m, _ = rows.shape
-    return creased(rows.reshape(-1, 3), _grid(n, m, closed_along=True)[:, ::-1])
+    return creased(rows.reshape(-1, 3), _grid(n, m, closed_along=True))
 
 
 def band(radius: float, width: float, thickness: float, along: np.ndarray, middle: np.ndarray) -> PlainMesh:
@@ -86,7 +86,7 @@ def band(radius: float, width: float, thickness: float, along: np.ndarray, middl
     side = np.cross(along, [0.0, 0.0, 1.0])
     out = np.cos(around)[:, None] * side + np.sin(around)[:, None] * np.array([0.0, 0.0, 1.0])
     rows = middle + t[None, :, None] * out[:, None] + w[None, :, None] * along
-    return creased(rows.reshape(-1, 3), _grid(180, 28, closed_along=True))
+    return creased(rows.reshape(-1, 3), _grid(180, 28, closed_along=True)[:, ::-1])
 
 
 def _frames(path: np.ndarray, aside: np.ndarray, closed: bool = False) -> tuple[np.ndarray, np.ndarray]:
