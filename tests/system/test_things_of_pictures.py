@@ -193,3 +193,49 @@ def test_a_things_file_is_found_from_its_setup_and_placed(variant_llvm_ad_spectr
     scene = photoreal_scene([GEM], load_setup(file), width=4, height=4)
     bounds = scene.meshes()["thing_1"].bbox()  # a stone of 4 mm: its unit is 2 mm
     np.testing.assert_allclose(np.array([bounds.min, bounds.max]), [[7, -2, 1], [11, 2, 5]], atol=1e-5)
+
+
+# ---- On the command line -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (["--metal", "gold"], "--metal = 'gold': is for a setting; give --setting too"),
+        (["--setting", "bezl"], "must be one of none, solitaire, bezel, pendant; did you mean bezel?"),
+        (
+            ["--setting", "bezel", "--metal", "lead"],
+            "--metal = 'lead': must be one of platinum, gold, silver",
+        ),
+        (["--setting", "bezel", "--setup", "hemisphere"], "--setting = 'bezel': must be none in a cup"),
+        (["--girdle", "rough"], "--girdle = 'rough': must be one of polished, faceted, bruted"),
+    ],
+)
+def test_options_that_cannot_be_are_told_in_one_line(gemrender, folder, options, told):
+    status, out, err = gemrender("render", "inoue-3", "-o", "x.png", *options)
+    assert (status, out) == (2, "")
+    assert err.rstrip("\n").endswith(told)
+    assert err.count("\n") == 1
+    assert not Path("x.png").exists()
+
+
+def test_a_scene_with_a_setting_is_written_and_read_back(gemrender, folder, variant_llvm_ad_spectral):
+    import mitsuba as mi
+
+    options = ["--setup", "window", "--setting", "bezel", "--metal", "gold", "--girdle", "bruted"]
+    assert gemrender("scene", "baguette-three", "-o", "s", *options, "--size", "4")[0] == 0
+    scene = mi.load_file("s/baguette-three-window.xml", optimize=False)
+    surfaces = [shape.bsdf() for shape in scene.shapes()]
+    assert sum("SmoothConductor" in str(surface) for surface in surfaces) == 1
+    (stone,) = (surface for surface in surfaces if type(surface).__name__ == "GemDielectric")
+    assert stone.girdle_alpha == pytest.approx(0.4)
+
+
+def test_a_faceted_girdle_is_of_facets_within_the_round_one(variant_llvm_ad_spectral):
+    scene = photoreal_scene(
+        [GEM], Setup(name="x", sky=Sky(radiance=1.0), girdle="faceted"), width=4, height=4
+    )
+    (stone,) = scene.stones
+    level = stone.planes()[np.abs(stone.planes()[:, 2]) < 1e-9]
+    assert len(np.unique(level.round(9), axis=0)) == 64
+    np.testing.assert_allclose(level[:, 3] - level[:, :3] @ stone.shift, np.cos(np.pi / 64), atol=1e-9)

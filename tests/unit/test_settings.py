@@ -99,9 +99,9 @@ def test_stones_of_any_size_are_held(kind, mm):
 
 
 def test_a_ring_fits_a_finger():
-    made = make_setting(stone_of("oval"), "solitaire", radius_mm=3.25)
+    made = make_setting(stone_of("round brilliant"), "solitaire", radius_mm=3.25)
     low, high = made.mesh.positions.min(axis=0), made.mesh.positions.max(axis=0)
-    # 17.3 mm inside and twice 1.6 mm of band, across; an oval's length lies along the finger
+    # 17.3 mm inside and twice 1.6 mm of band, across the finger
     assert (high - low)[0] * 3.25 == pytest.approx(17.3 + 2 * 1.6, abs=0.01)
 
 

@@ -1,9 +1,9 @@
 """Settings made for a stone: heads on rings and on chains, in sensible proportions.
 
 What a finger asks for is in millimetres, whatever the stone: a ring of 17.3 mm inside (54 by ISO 8653, 7 in
-the United States). Wires, walls and bands grow as the root of the stone's size; for one of 6.5 mm, a round
-diamond of 1 ct, a band is 1.8 mm wide and 1.6 mm thick, a claw 0.8 mm, a rim 0.5 mm. These are a goldsmith's
-usual figures, chosen here and taken from no one source.
+the United States). Wires, walls and bands grow as the root of the stone's size, the geometric mean of length
+and width; for 6.5 mm, a round diamond of 1 ct, a band is 1.8 mm wide and 1.6 mm thick, a claw 0.7 mm, a rim
+0.5 mm. These are a goldsmith's usual figures, chosen here and taken from no one source.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ CONTACT = 2 * GAP
 FINGER_MM = 17.3
 #: Of a stone of this diameter [mm]: width and thickness of a band, radius of claws, thickness of a rim.
 _USUAL_MM = 6.5
-BAND_MM, THICK_MM, CLAW_MM, RIM_MM = 1.8, 1.6, 0.4, 0.5
+BAND_MM, THICK_MM, CLAW_MM, RIM_MM = 1.8, 1.6, 0.35, 0.5
 #: A claw is no thicker, and a rim, beside a small stone [girdle radius].
 _THICKEST = 0.2
 #: What is as near to the stone's middle should be seen of a ring: head and shoulders [girdle radius].
@@ -70,7 +70,8 @@ def make_setting(stone: Stone, kind: str, *, radius_mm: float) -> MadeSetting:
         Size of the stone's unit: its girdle radius, or half its longer side [mm].
     """
     outline = Outline.of(stone)
-    growth = (2 * radius_mm / _USUAL_MM) ** 0.5
+    length, width = np.ptp(outline.points, axis=0)
+    growth = (radius_mm * (length * width) ** 0.5 / _USUAL_MM) ** 0.5
     claw, wall = (min(mm * growth / radius_mm, _THICKEST) for mm in (CLAW_MM, RIM_MM))
     long_angle = outline.long_angle
     if kind == "pendant":
