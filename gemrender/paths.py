@@ -12,7 +12,7 @@ import numpy as np
 from gemrender.errors import BackendError
 from gemrender.stone import Stone
 
-__all__ = ["FOLLOW", "Paths"]
+__all__ = ["FOLLOW", "Paths", "library"]
 
 #: Ways to follow light: `principal`, by total reflection until the first crossing below the critical angle
 #: (the paper); `all`, where at each such crossing the transmitted share leaves and the reflected one goes on.
@@ -138,7 +138,7 @@ class Paths:
         BackendError
             pandas is not installed.
         """
-        return _library("pandas").DataFrame(self.to_dict())
+        return library("pandas").DataFrame(self.to_dict())
 
     def to_xarray(self) -> Any:
         """Return an xarray Dataset along `path`; points and directions along `axis` too.
@@ -149,7 +149,7 @@ class Paths:
             xarray is not installed.
         """
         columns = {each.name: getattr(self, each.name) for each in fields(self) if each.name != "stone"}
-        return _library("xarray").Dataset(
+        return library("xarray").Dataset(
             {
                 name: (("path", "axis")[: column.ndim], column)
                 for name, column in columns.items()
@@ -160,7 +160,14 @@ class Paths:
         )
 
 
-def _library(name: str) -> Any:
+def library(name: str) -> Any:
+    """Import a library that only some need.
+
+    Raises
+    ------
+    BackendError
+        It is not installed; with the cure.
+    """
     try:
         return importlib.import_module(name)
     except ImportError as error:

@@ -109,6 +109,7 @@ def sensitivity(
     progress: Callable[[float], None] | None = None,
     measures: str | Measure | Iterable[str | Measure] = (),
     head: float = HEAD_DEG,
+    meets: str = "free",
     **short: Unpack[ShortForms],
 ) -> Sensitivity:
     """Differentiate a stone's Average and Rear by each of its proportions and angles, or of its tiers'.
@@ -138,6 +139,9 @@ def sensitivity(
         Further measures (`smooth_measures`); `all` for all of them that can be differentiated.
     head : float
         Half the angle at which the viewer's head is seen from the stone, 0 to below 90 [deg].
+    meets : {"free", "loose", "kept"}
+        Of designs, what becomes of meet points where a tier changes: its other number and all other tiers
+        stay; or it turns about the middle of its facets; or other tiers follow (`gemrender.cuts.meets`).
     **short
         Short forms of view and model, such as tilt (`gemrender.request.ShortForms`).
 
@@ -154,7 +158,9 @@ def sensitivity(
     tally = Tally(view, model, smooth_measures(measures), head)
     whole = Budget(time_limit, memory_limit)
     if isinstance(stone.cut, Design):
-        return by_tiers(stone, stone.cut, tally, whole, progress, start)
+        return by_tiers(stone, stone.cut, tally, whole, progress, start, meets)
+    if meets != "free":
+        raise InputError("only designs of tiers have meets", key="meets", value=meets)
     if isinstance(stone.cut, Family):
         return by_parameters(stone, stone.cut, tally, wanted, seed, whole, progress, start)
     return by_proportions(stone, tally, wanted, seed, whole, progress, start)

@@ -133,7 +133,7 @@ def _picture(
 ) -> None:
     from gemrender.render.backend import ensure_variant
     from gemrender.report.files import check_folder, file_stems, prepare_folder
-    from gemrender.scene.photoreal import photoreal_scene
+    from gemrender.scene.photoreal import photoreal_scene, title_of
     from gemrender.scene.xml import write_photoreal
 
     check_folder(out)
@@ -142,8 +142,7 @@ def _picture(
     width, height = size
     made = photoreal_scene(gems, setup, width=width, height=height, stock=stock, samples=samples)
     names = [*stones[:_MOST_NAMED], setup.source or setup.name]
-    shown = ", ".join(f"{gem.stone.name} ({gem.material.name})" for gem in gems)
     (stem,) = file_stems(["-".join(file_stems(names))])  # as a whole, it is no longer than one
-    about = f"{shown}; set-up {setup.name}"
+    about = f"{title_of(gems)}; set-up {setup.name}"
     path = write_photoreal(prepare_folder(out), stem, made, about=about, stock=stock)
     say(f"written: {path}")

@@ -151,6 +151,14 @@ class Passes:
         return self._mean(slice(0, 3))
 
     @property
+    def halves(self) -> np.ndarray | None:
+        """Luminance by each of the two halves, (2, h, w) float32; None before two passes."""
+        if min(self._counts) == 0:
+            return None
+        counts = np.array(self._counts, dtype=np.float32)[:, None]
+        return (self._halves[:, :, 1] / counts).reshape(2, self.height, self.width)
+
+    @property
     def albedo(self) -> np.ndarray:
         """Albedo of the first surface, (h, w, 3) float32."""
         return self._mean(slice(3, 6))

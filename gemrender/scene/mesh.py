@@ -88,10 +88,11 @@ def sweep_mesh(
     wall: float,
     bend: float,
     azimuth_deg: float,
+    level: float = 0.0,
     bsdf: dict[str, Any] | None = None,
     name: str = "ground",
 ) -> Any:
-    """Build a photographer's sweep: the plane z = 0 that bends up to a wall.
+    """Build a photographer's sweep: a level plane that bends up to a wall.
 
     Parameters
     ----------
@@ -99,6 +100,8 @@ def sweep_mesh(
         Half of its width and of its height, distance of the wall, and radius of the bend [scene unit].
     azimuth_deg : float
         Where the wall stands [deg].
+    level : float
+        Height of the plane [scene unit].
 
     Returns
     -------
@@ -106,7 +109,7 @@ def sweep_mesh(
     """
     angle = np.linspace(0, np.pi / 2, 49)
     y = np.concatenate([[-half_width], wall - bend + bend * np.sin(angle), [wall]])
-    z = np.concatenate([[0.0], bend - bend * np.cos(angle), [2 * half_width]])
+    z = level + np.concatenate([[0.0], bend - bend * np.cos(angle), [2 * half_width]])
     ny = np.concatenate([[0.0], -np.sin(angle), [-1.0]])
     nz = np.concatenate([[1.0], np.cos(angle), [0.0]])
     n = len(y)

@@ -14,6 +14,7 @@ from gemrender.optics import Material
 from gemrender.scene.beside import beside
 from gemrender.scene.lighting import lights, reflectance, sky
 from gemrender.scene.mesh import placed_mesh, sweep_mesh, tube_mesh
+from gemrender.scene.moves import Move
 from gemrender.scene.placing import Placed, frame, place, towards
 from gemrender.scene.settings import make_setting
 from gemrender.scene.setup import Setup
@@ -21,7 +22,7 @@ from gemrender.scene.surfaces import GROUND
 from gemrender.stone import ConvexSolid, Stone
 from gemrender.stone.solid import with_chords
 
-__all__ = ["MOST_PIXELS", "Gem", "PhotorealScene", "photoreal_scene"]
+__all__ = ["MOST_PIXELS", "Gem", "PhotorealScene", "photoreal_scene", "title_of"]
 
 #: Longest side of a picture [pixels].
 MOST_PIXELS = 16384
@@ -29,6 +30,9 @@ MOST_PIXELS = 16384
 _WIDE = 60.0
 #: Level facets of a round girdle that is faceted, as brilliants have 64 or more.
 GIRDLE_FACETS = 64
+#: How far below the stones the ground is for Mitsuba's own plugins [girdle radius]: level with a facet that
+#: lies on it, it would take half of the light that is reflected there, in the stone. `gem_path` knows better.
+_STOCK_GAP = 1e-4
 #: How much wider than its stone a cup is.
 _LOOSE = 1.0005
 
@@ -53,6 +57,11 @@ class Gem:
     material: Material
     material_name: str | float
     diameter_mm: float
+
+
+def title_of(gems: Sequence[Gem]) -> str:
+    """Return what a picture of stones is called: the stones and their materials."""
+    return ", ".join(f"{gem.stone.name} ({gem.material.name})" for gem in gems)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -105,7 +114,8 @@ def photoreal_scene(
     dispersion: bool = True,
     stock: bool = False,
     turn_deg: float = 0.0,
-    turntable: bool = False,
+    move: Move | None = None,
+    share: float = 0.0,
     samples: int = 64,
 ) -> PhotorealScene:
     """Return the scene of stones in a set-up.
@@ -126,15 +136,18 @@ def photoreal_scene(
         absorption, colours as RGB.
     turn_deg : float
         Turn of the stones about the vertical [deg].
-    turntable : bool
-        Whether the camera leaves room for all turns.
+    move : Move, optional
+        How the stones move in a film; the camera leaves room for all of it.
+    share : float
+        Share of the film that is over, 0 to 1.
     samples : int
         Samples a pixel where Mitsuba renders the scene.
 
     Raises
     ------
     InputError
-        A size that no picture has, a camera too near, or a mesh that cuts a stone.
+        A size that no picture has, a camera too near, a mesh that cuts a stone, or a move that a cup does not
+        allow.
     """
     for key, side in (("width", width), ("height", height)):
         if not 1 <= side <= MOST_PIXELS:
@@ -154,14 +167,23 @@ def photoreal_scene(
         sizes=[gem.diameter_mm / first_mm for gem in gems],
         settings=settings,
     )
-    points = np.concatenate([p.shown_points() for p in placed])
     if settings is not None:
         setup = setup.grown(max(p.growth() for p in placed))
-    target = np.array([0.0, 0.0, 0.5 * (points[:, 2].min() + points[:, 2].max())])
+    heights = np.concatenate([p.shown_points()[:, 2] for p in placed])
+    target = np.array([0.0, 0.0, 0.5 * (heights.min() + heights.max())])
+    stones = [p.turned(turn_deg) for p in placed] if turn_deg else placed
+    seen = placed
+    if move is not None:
+        move.check_ground(setup.ground.type)
+        from_camera, on_ground = setup.camera.azimuth, setup.ground.type != "none"
+        every = move.all_placed(stones, azimuth_deg=from_camera, on_ground=on_ground)
+        seen = [stone for places in every for stone in places]
+        stones = move.placed(stones, share, azimuth_deg=from_camera, on_ground=on_ground)
+    points = np.concatenate([p.shown_points() for p in seen])
     reach = float(np.hypot(*points[:, :2].T).max())
     try:
         _check_apart(setup, target, reach, float(points[:, 2].max()))
-        view = _sensor(setup, placed, target, width, height, turntable, samples)
+        view = _sensor(setup, seen, target, width, height, samples)
     except InputError as error:
         raise error.at(setup.source or setup.name) from error
     scene: dict[str, Any] = {
@@ -173,12 +195,12 @@ def photoreal_scene(
         scene["integrator"]["rr_depth"] = 32
     scene |= lights(setup, target, stock)
     scene |= sky(setup, target, stock)
-    stones = tuple(p.turned(turn_deg) if turn_deg else p for p in placed)
     built: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {}
-    wide = max(_WIDE, 4 * setup.camera.distance)
+    wide = _WIDE if settings is None else max(_WIDE, 4 * setup.camera.distance)
     paper = {"type": "diffuse", "reflectance": reflectance(setup.ground.reflectance, stock)}
+    gap = _STOCK_GAP if stock else 0.0
     if setup.ground.type == "plane":
-        scene["ground"] = {"type": "disk", "to_world": _scaled(wide), "bsdf": paper}
+        scene["ground"] = {"type": "disk", "to_world": _lowered(gap) @ _scaled(wide), "bsdf": paper}
     elif setup.ground.type == "sweep":
         # Towards the wall that stands behind the stones, as the camera sees them
         wall = max(setup.ground.distance, 2.5 * reach)  # the bend begins beyond the stones
@@ -188,6 +210,7 @@ def photoreal_scene(
             wall=wall,
             bend=0.6 * wall,
             azimuth_deg=setup.camera.azimuth + 180,
+            level=-gap,
         )
         built["ground"] = (build, {"type": "twosided", "bsdf": paper})
     elif setup.ground.type == "cup":
@@ -204,7 +227,7 @@ def photoreal_scene(
     )
     return PhotorealScene(
         plain=scene,
-        stones=stones,
+        stones=tuple(stones),
         surfaces=surfaces,
         built=built,
     )
@@ -266,18 +289,16 @@ def _bruted(placed: Placed) -> dict[str, Any]:
 
 def _sensor(
     setup: Setup,
-    placed: list[Placed],
+    seen: list[Placed],
     target: np.ndarray,
     width: int,
     height: int,
-    turntable: bool,
     samples: int,
 ) -> dict[str, Any]:
     import mitsuba as mi
 
     camera = setup.camera
-    turns = [float(t) for t in range(0, 360, 10)] if turntable else [0.0]
-    origin, _, up, half = frame(camera, placed, target, width / height, turns)
+    origin, _, up, half = frame(camera, seen, target, width / height)
     to_world = mi.ScalarTransform4f().look_at(origin.tolist(), target.tolist(), up.tolist())
     film = {
         "type": "hdrfilm",
@@ -330,6 +351,12 @@ def _cup(placed: Placed, paper: dict[str, Any]) -> dict[str, Any]:
         "radius": _LOOSE * placed.scale,
         "bsdf": {"type": "twosided", "bsdf": paper},
     }
+
+
+def _lowered(by: float) -> Any:
+    import mitsuba as mi
+
+    return mi.ScalarTransform4f().translate([0.0, 0.0, -by])
 
 
 def _scaled(factor: float) -> Any:

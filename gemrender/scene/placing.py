@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -73,8 +74,16 @@ class Placed:
 
     def turned(self, turn_deg: float) -> Placed:
         """Return it turned about the vertical through the origin, anticlockwise seen from above [deg]."""
-        turn = _about_z(np.radians(turn_deg))
-        return replace(self, rotation=turn @ self.rotation, shift=turn @ self.shift)
+        return self.rotated(_about_z(np.radians(turn_deg)), about=np.zeros(3))
+
+    def rotated(self, rotation: np.ndarray, *, about: np.ndarray) -> Placed:
+        """Return it after a rotation (3, 3) about a point (3,) [scene unit]."""
+        shift = about + rotation @ (self.shift - about)
+        return replace(self, rotation=rotation @ self.rotation, shift=shift)
+
+    def shifted(self, by: np.ndarray) -> Placed:
+        """Return it moved by a vector (3,) [scene unit]."""
+        return replace(self, shift=self.shift + by)
 
 
 def place(
@@ -140,7 +149,7 @@ def towards(elevation_deg: float, azimuth_deg: float) -> np.ndarray:
 
 
 def frame(
-    camera: Camera, placed: list[Placed], target: np.ndarray, aspect: float, turns_deg: list[float]
+    camera: Camera, stones: Iterable[Placed], target: np.ndarray, aspect: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
     """Return where the camera stands, its right and up, and half the width that it sees.
 
@@ -148,8 +157,8 @@ def frame(
     ----------
     camera : Camera
         The camera.
-    placed : list of Placed
-        What it must see, in all turns `turns_deg` [deg].
+    stones : iterable of Placed
+        What it must see; those that move in all their places.
     target : (3,) float64
         What it looks at.
     aspect : float
@@ -170,20 +179,19 @@ def frame(
     up = np.cross(back, right)
     origin = target + camera.distance * back
     half = 0.0
-    for turn in turns_deg:
-        for stone in placed:
-            to = stone.turned(turn).shown_points() - origin
-            depth = -to @ back
-            if depth.min() <= 0.02 * camera.distance:
-                raise InputError(
-                    f"is too near to see {stone.name} from outside; its front is "
-                    f"{camera.distance - depth.min():.3g} girdle radii from the middle",
-                    key="camera.distance",
-                    value=camera.distance,
-                )
-            magnified = 1.0 if camera.type == "orthographic" else camera.distance / depth
-            x, y = np.abs(to @ right) * magnified, np.abs(to @ up) * magnified
-            half = max(half, float(x.max()), float(y.max()) * aspect)
+    for stone in stones:
+        to = stone.shown_points() - origin
+        depth = -to @ back
+        if depth.min() <= 0.02 * camera.distance:
+            raise InputError(
+                f"is too near to see {stone.name} from outside; its front is "
+                f"{camera.distance - depth.min():.3g} girdle radii from the middle",
+                key="camera.distance",
+                value=camera.distance,
+            )
+        magnified = 1.0 if camera.type == "orthographic" else camera.distance / depth
+        x, y = np.abs(to @ right) * magnified, np.abs(to @ up) * magnified
+        half = max(half, float(x.max()), float(y.max()) * aspect)
     return origin, right, up, half * camera.margin
 
 

@@ -8,7 +8,7 @@ from typing import Any
 from gemrender.errors import InputError
 from gemrender.reading import did_you_mean
 
-__all__ = ["RADIANCE_RANGE", "numbers", "one_of", "radiance", "spectrum", "two_sizes", "within"]
+__all__ = ["RADIANCE_RANGE", "numbers", "one_line", "one_of", "radiance", "spectrum", "two_sizes", "within"]
 
 #: Radiances that are not 0: single precision holds what is left of the least after many reflections.
 RADIANCE_RANGE = (1e-20, 1e9)
@@ -53,6 +53,13 @@ def within(part: Any, key: str, low: float, high: float) -> None:
     number = isinstance(value, (int, float)) and not isinstance(value, bool)
     if not number or not low <= value <= high:  # false for NaN too
         raise InputError(f"must be a number from {low:g} to {high:g}", key=key, value=value)
+
+
+def one_line(part: Any, key: str) -> None:
+    """Check that an attribute is text without line breaks or null characters."""
+    value = getattr(part, key)
+    if not isinstance(value, str) or not (value == "" or value.isprintable()):
+        raise InputError("must be text, in one line", key=key, value=value)
 
 
 def radiance(part: Any) -> None:

@@ -18,8 +18,8 @@ from gemrender.scene.setup import Camera, Ground, Light, Setup, Sky, Zone, bundl
 from gemrender.scene.zones import layers
 
 BUNDLED = [
-    "arrows", "aset", "fire", "hearts", "hemisphere", "ideal-scope", "loupe", "studio", "velvet", "white",
-    "window",
+    "arrows", "aset", "fire", "hearts", "hemisphere", "ideal-scope", "loupe", "macro", "product", "studio",
+    "sun", "velvet", "white", "window",
 ]  # fmt: skip
 SETUPS = Path(gemrender.__file__).parent.parent / "scenes" / "setups"
 
@@ -190,9 +190,10 @@ def test_any_order_line_ends_and_byte_order_mark_do():
 
 # ---- Mistakes ------------------------------------------------------------------------------------------
 
+_SKY_KEYS = "type, radiance, spectrum, zones, image, azimuth, scale, boxes"
 _TOP = (
-    "name, about, pose, facing, gap, girdle, white, expose_for, exposure, camera, sky, ground, setting, "
-    "light, thing"
+    "name, about, pose, facing, gap, girdle, white, expose_for, exposure, curve, camera, sky, ground, "
+    "setting, light, thing"
 )
 _OF_CAMERA = "type, elevation, azimuth, distance, margin, aperture, focus"
 _OF_LIGHT = "shape, elevation, azimuth, distance, size, count, radiance, spectrum"
@@ -233,7 +234,7 @@ REFUSED = {
         f"light 1.sise = 3: unknown key; must be one of {_OF_LIGHT}; did you mean size?",
     ),
     "sky's key": (
-        f'{SKY}color = "a"', "sky.color = 'a': unknown key; must be one of type, radiance, spectrum, zones",
+        f'{SKY}color = "a"', f"sky.color = 'a': unknown key; must be one of {_SKY_KEYS}",
     ),
     "ground's key": (
         f"{GROUND}kind = 1", "ground.kind = 1: unknown key; must be one of type, reflectance, distance",
@@ -244,7 +245,7 @@ REFUSED = {
         f"camera = 'x': must be a section: a line [camera], and below it {_OF_CAMERA}",
     ),
     "sky that is a number": (
-        "sky = 1", "sky = 1: must be a section: a line [sky], and below it type, radiance, spectrum, zones",
+        "sky = 1", f"sky = 1: must be a section: a line [sky], and below it {_SKY_KEYS}",
     ),
     "one light": ("[light]\nradiance = 1", f"light = {{'radiance': 1}}: {_SECTIONS}"),
     "light that is a number": (f"light = 1\n{SKY}", f"light = 1: {_SECTIONS}"),
@@ -333,7 +334,10 @@ REFUSED = {
     "hot": (f"{LIGHT}spectrum = 99999", f"light 1.spectrum = 99999: {_SPECTRUM}"),
     "spectrum that is a list": (f"{LIGHT}spectrum = [1]", f"light 1.spectrum = [1]: {_SPECTRUM}"),
     # ---- Sky and ground ----
-    "sky": ('[sky]\ntype = "dome"', "sky.type = 'dome': must be one of uniform, hemisphere, zones"),
+    "sky": (
+        '[sky]\ntype = "dome"',
+        "sky.type = 'dome': must be one of uniform, hemisphere, zones, image, studio",
+    ),
     "sky's radiance": ("[sky]\nradiance = inf", "sky.radiance = inf: must be a number from 0 to 1e+09"),
     "sky's spectrum": (f"{SKY}spectrum = nan", f"sky.spectrum = nan: {_SPECTRUM}"),
     # ---- Zones ----
