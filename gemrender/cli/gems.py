@@ -3,27 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from gemrender.cli.output import say
 from gemrender.cli.stones import assumptions
-from gemrender.cli.values import complete_files, material_option, number_option
+from gemrender.cli.values import choice_option, complete_files, material_option, number_option
+from gemrender.errors import InputError
 
 if TYPE_CHECKING:
     from gemrender.scene.photoreal import Gem
+    from gemrender.scene.setup import Setup as SetUp
 
 __all__ = [
     "SIZE",
     "GemOptions",
+    "SettingOptions",
     "Setup",
     "Size",
     "complete_setups",
     "load_gems",
     "picture_size",
     "tell_assumptions",
+    "with_settings",
 ]
 
 GEMS = "Stones"
@@ -86,6 +90,57 @@ class GemOptions:
             rich_help_panel=GEMS,
         ),
     ] = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SettingOptions:
+    """What holds pictured stones, and the finish of their girdles."""
+
+    setting: Annotated[
+        str | None,
+        choice_option(
+            "--setting",
+            ("none", "solitaire", "bezel", "pendant"),
+            "What holds each stone; by default what the set-up says.",
+            metavar="WORD",
+            rich_help_panel=GEMS,
+        ),
+    ] = None
+    metal: Annotated[
+        str | None,
+        choice_option(
+            "--metal",
+            ("platinum", "gold", "silver"),
+            "Metal of the setting.",
+            metavar="WORD",
+            rich_help_panel=GEMS,
+        ),
+    ] = None
+    girdle: Annotated[
+        str | None,
+        choice_option(
+            "--girdle",
+            ("polished", "faceted", "bruted"),
+            "Finish of the stones' girdles.",
+            metavar="WORD",
+            rich_help_panel=GEMS,
+        ),
+    ] = None
+
+
+def with_settings(setup: SetUp, options: SettingOptions) -> SetUp:
+    """Return a set-up with what the options say of settings and girdles.
+
+    Raises
+    ------
+    InputError
+        A metal without a setting, or a setting that the set-up has no place for.
+    """
+    of = {key: value for key, value in (("type", options.setting), ("metal", options.metal)) if value}
+    setting = replace(setup.setting, **of)
+    if options.metal and setting.type == "none":
+        raise InputError("is for a setting; give --setting too", key="metal", value=options.metal)
+    return replace(setup, setting=setting, girdle=options.girdle or setup.girdle)
 
 
 def load_gems(names: list[str], options: GemOptions) -> list[Gem]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from gemrender.cli.gems import SIZE, GemOptions, Setup, Size, tell_assumptions
+from gemrender.cli.gems import SIZE, GemOptions, SettingOptions, Setup, Size, tell_assumptions, with_settings
 from gemrender.cli.groups import command
 from gemrender.cli.options import ENGINE, Stones, output_option
 from gemrender.cli.output import output_file, progress_bar, say
@@ -37,6 +37,7 @@ CURVES = ("linear", "filmic", "contrast", "neutral", "agx")
 def render(
     stones: Stones,
     gem: GemOptions,
+    held: SettingOptions,
     out: Annotated[
         str,
         output_option(
@@ -170,6 +171,7 @@ def render(
     from gemrender.render.shots import prepare
     from gemrender.report.files import file_stems, prepare_folder
     from gemrender.scene.moves import Move
+    from gemrender.scene.setup import load_setup
     from gemrender.writing import check_place
 
     default = file_stems(stones)[0] + (".mp4" if frames else ".png")
@@ -179,7 +181,7 @@ def render(
         raise InputError("go into EXR pictures only", key="bins", value=bins)
     shot = prepare(
         stones,
-        setup,
+        with_settings(load_setup(setup), held),
         material=gem.material,
         carat=gem.carat,
         diameter=gem.diameter,

@@ -8,6 +8,7 @@ import mitsuba as mi
 from gemrender.errors import InputError
 from gemrender.plugins.checks import SceneCheck
 from gemrender.plugins.properties import truth, whole_number
+from gemrender.plugins.rough import scattered
 from gemrender.plugins.stones import RAY_OFFSET, Stones, reflectance
 
 #: Names of the AOVs, in order: what a denoiser wants to know of the first hit.
@@ -256,9 +257,29 @@ class PathIntegrator(mi.SamplingIntegrator):
             ]
             β_in, n_in, d_in = stones.enter(entering, eta, d, n, cos_air, channel, part)
             start = mi.Point3f(stones.inwards(si.p, n))
+            inside = mi.Bool(arrives)
+
+            # ---- A rough girdle: one way by chance, with all the light ----
+
+            if dr.hint(stones.any_rough, mode="scalar"):
+                alpha = stones.roughness(stone, n, arrives)
+                rough = arrives & (alpha > 0)
+                β_one, n_one = stones.one_wavelength(β, eta, part, chance)
+                d_one, outside = scattered(mi.Vector3f(ray.d), n, arrives, n_one, alpha, chance, rough)
+                side &= ~rough | outside
+                inside &= ~(rough & outside)
+                side_d = dr.select(rough, d_one, side_d)
+                side_β = dr.select(rough, β_one, side_β)
+                side_parted |= rough & part & mi.Bool(stones.n_ways > 1)
+                β_in = dr.select(
+                    rough, β_one * dr.select(part, stones.parting_weight(), mi.Spectrum(1)), β_in
+                )
+                n_in, d_in = dr.select(rough, n_one, n_in), dr.select(rough, d_one, d_in)
+                part &= ~rough
+                left = dr.select(rough, 0, left)
+
             p, d = mi.Point3f(start), mi.Vector3f(d_in)
             in_depth = depth + 1
-            inside = mi.Bool(arrives)
 
             # One branch outside is drawn of those that met neither light nor sky.
             drawn_weight = mi.Float(0)  # sum of the throughputs of all of them
@@ -289,16 +310,25 @@ class PathIntegrator(mi.SamplingIntegrator):
                 leaves = inside & (sin2 < 1)
                 cos_t = dr.safe_sqrt(1 - sin2)
                 back = dr.select(leaves, reflectance(cos_t, cos_i, n_in), 1)
+                d_out = n_in * (d - cos_i * n) + cos_t * n
+                d_back = d - 2 * cos_i * n
+                if dr.hint(stones.any_rough, mode="scalar"):
+                    alpha = stones.roughness(stone, n, inside)
+                    rough = inside & (alpha > 0)
+                    d_one, outside = scattered(d, n, mi.Bool(False), n_in, alpha, chance, rough)
+                    leaves = dr.select(rough, outside, leaves)
+                    back = dr.select(rough, dr.select(outside, mi.Float(0), 1), back)
+                    d_out, d_back = dr.select(rough, d_one, d_out), dr.select(rough, d_one, d_back)
                 side = leaves & (in_depth + 2 <= max_depth)
                 side_o = mi.Point3f(p + RAY_OFFSET * stones.size * n)
-                side_d = dr.normalize(n_in * (d - cos_i * n) + cos_t * n)
+                side_d = dr.normalize(d_out)
                 side_β = β_in * (1 - back)
                 side_parted = mi.Bool(in_parted)
                 # Of many ways the first stands for all: samples spread its wavelength evenly.
                 side_counts = dr.select(part, dr.select(channel == 0, mi.Float(stones.n_ways), 0), 1)
                 side_depth = in_depth + 1
                 β_in *= back
-                d = d - 2 * cos_i * n
+                d = d_back
                 p = stones.inwards(p, n)
                 in_depth += 1
 

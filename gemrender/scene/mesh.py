@@ -9,6 +9,7 @@ import numpy as np
 from gemrender.scene.convex import PlacedSolid, placed_solid
 from gemrender.scene.loading import load_scene
 from gemrender.scene.placing import Placed
+from gemrender.scene.smooth import PlainMesh
 from gemrender.stone import Stone, StoneMesh, tessellate
 
 __all__ = [
@@ -18,6 +19,7 @@ __all__ = [
     "carried_planes",
     "mesh_solid",
     "placed_mesh",
+    "plain_mesh",
     "stone_mesh",
     "sweep_mesh",
     "tube_mesh",
@@ -118,6 +120,16 @@ def sweep_mesh(
     turn = np.radians(azimuth_deg - 90)
     to_place = np.array([[np.cos(turn), np.sin(turn), 0], [-np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
     return _mesh(name, positions @ to_place, normals @ to_place, faces, bsdf)
+
+
+def plain_mesh(mesh: PlainMesh, *, bsdf: dict[str, Any] | None = None, name: str = "thing") -> Any:
+    """Build a mesh that is no stone.
+
+    Returns
+    -------
+    mi.Mesh
+    """
+    return _mesh(name, mesh.positions, mesh.normals, mesh.faces, bsdf)
 
 
 def tube_mesh(

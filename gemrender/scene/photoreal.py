@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -11,12 +11,16 @@ import numpy as np
 
 from gemrender.errors import InputError
 from gemrender.optics import Material
+from gemrender.scene.beside import beside
 from gemrender.scene.lighting import lights, reflectance, sky
 from gemrender.scene.mesh import placed_mesh, sweep_mesh, tube_mesh
 from gemrender.scene.moves import Move
 from gemrender.scene.placing import Placed, frame, place, towards
+from gemrender.scene.settings import make_setting
 from gemrender.scene.setup import Setup
-from gemrender.stone import Stone
+from gemrender.scene.surfaces import GROUND
+from gemrender.stone import ConvexSolid, Stone
+from gemrender.stone.solid import with_chords
 
 __all__ = ["MOST_PIXELS", "Gem", "PhotorealScene", "photoreal_scene", "title_of"]
 
@@ -24,6 +28,8 @@ __all__ = ["MOST_PIXELS", "Gem", "PhotorealScene", "photoreal_scene", "title_of"
 MOST_PIXELS = 16384
 #: Half a width of grounds [girdle radius]: their edge is out of sight.
 _WIDE = 60.0
+#: Level facets of a round girdle that is faceted, as brilliants have 64 or more.
+GIRDLE_FACETS = 64
 #: How far below the stones the ground is for Mitsuba's own plugins [girdle radius]: level with a facet that
 #: lies on it, it would take half of the light that is reflected there, in the stone. `gem_path` knows better.
 _STOCK_GAP = 1e-4
@@ -140,12 +146,18 @@ def photoreal_scene(
     Raises
     ------
     InputError
-        A size that no picture has, a camera too near, or a move that a cup does not allow.
+        A size that no picture has, a camera too near, a mesh that cuts a stone, or a move that a cup does not
+        allow.
     """
     for key, side in (("width", width), ("height", height)):
         if not 1 <= side <= MOST_PIXELS:
             raise InputError(f"must be from 1 to {MOST_PIXELS} [pixels]", key=f"size: {key}", value=side)
+    if setup.girdle == "faceted":
+        gems = [replace(gem, stone=_faceted(gem.stone)) for gem in gems]
     first_mm = gems[0].diameter_mm
+    settings = None
+    if setup.setting.type != "none":
+        settings = [make_setting(g.stone, setup.setting.type, radius_mm=0.5 * g.diameter_mm) for g in gems]
     placed = place(
         [gem.stone for gem in gems],
         pose=setup.pose,
@@ -153,8 +165,11 @@ def photoreal_scene(
         gap=setup.gap,
         azimuth_deg=setup.camera.azimuth,
         sizes=[gem.diameter_mm / first_mm for gem in gems],
+        settings=settings,
     )
-    heights = np.concatenate([p.points()[:, 2] for p in placed])
+    if settings is not None:
+        setup = setup.grown(max(p.growth() for p in placed))
+    heights = np.concatenate([p.shown_points()[:, 2] for p in placed])
     target = np.array([0.0, 0.0, 0.5 * (heights.min() + heights.max())])
     stones = [p.turned(turn_deg) for p in placed] if turn_deg else placed
     seen = placed
@@ -164,7 +179,7 @@ def photoreal_scene(
         every = move.all_placed(stones, azimuth_deg=from_camera, on_ground=on_ground)
         seen = [stone for places in every for stone in places]
         stones = move.placed(stones, share, azimuth_deg=from_camera, on_ground=on_ground)
-    points = np.concatenate([p.points() for p in seen])
+    points = np.concatenate([p.shown_points() for p in seen])
     reach = float(np.hypot(*points[:, :2].T).max())
     try:
         _check_apart(setup, target, reach, float(points[:, 2].max()))
@@ -181,16 +196,17 @@ def photoreal_scene(
     scene |= lights(setup, target, stock)
     scene |= sky(setup, target, stock)
     built: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {}
+    wide = _WIDE if settings is None else max(_WIDE, 4 * setup.camera.distance)
     paper = {"type": "diffuse", "reflectance": reflectance(setup.ground.reflectance, stock)}
     gap = _STOCK_GAP if stock else 0.0
     if setup.ground.type == "plane":
-        scene["ground"] = {"type": "disk", "to_world": _lowered(gap) @ _scaled(_WIDE), "bsdf": paper}
+        scene["ground"] = {"type": "disk", "to_world": _lowered(gap) @ _scaled(wide), "bsdf": paper}
     elif setup.ground.type == "sweep":
         # Towards the wall that stands behind the stones, as the camera sees them
         wall = max(setup.ground.distance, 2.5 * reach)  # the bend begins beyond the stones
         build = partial(
             sweep_mesh,
-            half_width=_WIDE,
+            half_width=wide,
             wall=wall,
             bend=0.6 * wall,
             azimuth_deg=setup.camera.azimuth + 180,
@@ -203,7 +219,12 @@ def photoreal_scene(
                 scene[f"cup_{k}"] = _cup(stone, paper)
             else:
                 built[f"cup_{k}"] = (_outline_cup(stone), {"type": "twosided", "bsdf": paper})
-    surfaces = tuple(_surface(gem, first_mm, dispersion, stock) for gem in gems)
+    built |= beside(setup, stones, settings, radius_mm=0.5 * first_mm, stock=stock)
+    surfaces = tuple(
+        _surface(gem, first_mm, dispersion, stock)
+        | ({} if stock or setup.girdle != "bruted" else _bruted(stone))
+        for gem, stone in zip(gems, stones, strict=True)
+    )
     return PhotorealScene(
         plain=scene,
         stones=tuple(stones),
@@ -248,6 +269,22 @@ def _surface(gem: Gem, first_mm: float, dispersion: bool, stock: bool) -> dict[s
         "dispersion": dispersion,
         "unit_mm": 0.5 * first_mm,
     }
+
+
+def _faceted(stone: Stone) -> Stone:
+    """Return a stone with level facets in place of a round girdle, within it; others stay as they are."""
+    solid = stone.solid
+    if not isinstance(solid, ConvexSolid) or not solid.is_round:
+        return stone
+    planes = with_chords(solid.planes, GIRDLE_FACETS)
+    facet = np.full(len(planes), solid.n_facets - 1)
+    facet[: len(solid.facet)] = solid.facet
+    return replace(stone, solid=ConvexSolid(planes=planes, facet=facet), cut=None, labelled_vertices=None)
+
+
+def _bruted(placed: Placed) -> dict[str, Any]:
+    """Return what makes the girdle of a stone's surface rough."""
+    return {"girdle_alpha": GROUND, "axis": placed.rotation[:, 2].tolist()}
 
 
 def _sensor(

@@ -22,13 +22,16 @@ from gemrender.reading import (
     text_line,
 )
 from gemrender.scene import setup_checks as check
+from gemrender.scene.settings.setting import Setting
 from gemrender.scene.sky_boxes import Box, boxes_of
+from gemrender.scene.things import Thing, things_of
 from gemrender.scene.zones import Zone, zones_of
 
 __all__ = [
     "CAMERAS",
     "CURVES",
     "EXPOSURES",
+    "GIRDLES",
     "GROUNDS",
     "LIGHTS",
     "POSES",
@@ -36,8 +39,10 @@ __all__ = [
     "Camera",
     "Ground",
     "Light",
+    "Setting",
     "Setup",
     "Sky",
+    "Thing",
     "Zone",
     "bundled_setups",
     "load_setup",
@@ -51,6 +56,7 @@ EXPOSURES = ("stones", "ground", "white", "light")
 #: Tone curves; what they do is in `gemrender.render.curves`.
 CURVES = ("linear", "filmic", "contrast", "neutral", "agx")
 POSES = ("table-up", "lying", "table-down")
+GIRDLES = ("polished", "faceted", "bruted")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -267,6 +273,9 @@ class Setup:
         Azimuth that the table of a lying stone leans to, from the camera's [deg].
     gap : float
         Between stones that stand side by side [girdle radius].
+    girdle : {"polished", "faceted", "bruted"}
+        Finish of the stones' girdles: smooth, with a round one as it is; a round one in level facets; or
+        ground and matt. A girdle that is not round has its facets in any case.
     white : str or float
         The light that is white in the picture, as a light's spectrum.
     expose_for : {"stones", "ground", "white", "light"}
@@ -279,6 +288,10 @@ class Setup:
         Tone curve of pictures for the screen.
     camera, lights, sky, ground
         The parts.
+    setting : Setting
+        What holds each of the stones. A stone in one stands table up, whether its pose is that or lying.
+    things : tuple of Thing
+        Meshes beside the stones.
     source : str or None
         The file, for error messages.
     """
@@ -288,6 +301,7 @@ class Setup:
     pose: str = "table-up"
     facing: float = 0.0
     gap: float = 0.4
+    girdle: str = "polished"
     white: str | float = "d65"
     expose_for: str = "stones"
     exposure: float = 0.0
@@ -296,11 +310,14 @@ class Setup:
     lights: tuple[Light, ...] = ()
     sky: Sky = field(default_factory=Sky)
     ground: Ground = field(default_factory=Ground)
+    setting: Setting = field(default_factory=Setting)
+    things: tuple[Thing, ...] = ()
     source: str | None = None
 
     def __post_init__(self) -> None:
         with Mistakes() as mistakes:
             mistakes.of(check.one_of, self, "pose", POSES)
+            mistakes.of(check.one_of, self, "girdle", GIRDLES)
             mistakes.of(check.one_of, self, "expose_for", EXPOSURES)
             mistakes.of(check.one_of, self, "curve", CURVES)
             mistakes.of(check.within, self, "facing", -360, 360)
@@ -309,8 +326,31 @@ class Setup:
             mistakes.of(check.spectrum, self, "white")
         if self.ground.type == "cup" and self.pose != "table-up":
             raise InputError("must be table-up in a cup", key="pose", value=self.pose)
+        if self.setting.type != "none":
+            if self.pose == "table-down":
+                raise InputError("must not be table-down in a setting", key="pose", value=self.pose)
+            if self.ground.type == "cup":
+                raise InputError("must be none in a cup", key="setting", value=self.setting.type)
         if self.sky.is_dark and not any(light.radiance > 0 for light in self.lights):
             raise InputError("needs a light or a sky with a radiance above 0", key="[[light]]")
+
+    def grown(self, scale: float) -> Setup:
+        """Return the set-up of something larger: camera, lights and ground as they are, but farther off."""
+        lights = tuple(
+            replace(
+                light, distance=scale * light.distance, size=(scale * light.size[0], scale * light.size[1])
+            )
+            for light in self.lights
+        )
+        return replace(
+            self,
+            camera=replace(
+                self.camera,
+                **{key: scale * getattr(self.camera, key) for key in ("distance", "aperture", "focus")},
+            ),
+            lights=tuple(lights),
+            ground=replace(self.ground, distance=scale * self.ground.distance),
+        )
 
 
 def load_setup(setup: str | os.PathLike[str]) -> Setup:
@@ -334,17 +374,17 @@ def load_setup(setup: str | os.PathLike[str]) -> Setup:
     source = str(path)
     with located_at(source), Mistakes() as mistakes:
         top = parse_toml(read_lines(path, kind="set-up"), kind="set-up")
-        keys = [f.name for f in fields(Setup) if f.name not in ("source", "lights")]
-        mistakes.of(refuse_unknown, top, [*keys, "light"])
+        keys = [f.name for f in fields(Setup) if f.name not in ("source", "lights", "things")]
+        mistakes.of(refuse_unknown, top, [*keys, "light", "thing"])
         values: dict[str, Any] = {
             key: top[key]
-            for key in ("pose", "facing", "gap", "white", "expose_for", "exposure", "curve")
+            for key in ("pose", "facing", "gap", "girdle", "white", "expose_for", "exposure", "curve")
             if key in top
         }
         values["name"] = mistakes.of(text_line, top, "name", stem(path, "set-up"), 100)
         values["about"] = mistakes.of(text_line, top, "about", "", 1000, empty=True)
         before = len(mistakes.errors)
-        for key, part in (("camera", Camera), ("sky", Sky), ("ground", Ground)):
+        for key, part in (("camera", Camera), ("sky", Sky), ("ground", Ground), ("setting", Setting)):
             if key in top:
                 values[key] = mistakes.of(_part, part, top, key, mistakes)
         if (image := getattr(values.get("sky"), "image", "")) and (place := path.parent / image):
@@ -352,8 +392,10 @@ def load_setup(setup: str | os.PathLike[str]) -> Setup:
             if not _is_file(place):
                 mistakes.add(InputError("no such file", key="sky.image", value=image))
         values["lights"] = mistakes.of(_lights, top.get("light", []), mistakes)
+        values["things"] = mistakes.of(things_of, top.get("thing", []), path.parent, mistakes)
         if len(mistakes.errors) > before:  # other parts in their place, for the other keys to be checked
             values |= {"camera": Camera(), "sky": Sky(radiance=1.0), "ground": Ground(), "lights": ()}
+            values |= {"setting": Setting(), "things": ()}
         made = mistakes.of(Setup, **values, source=source)
     assert made is not None
     return made

@@ -8,7 +8,7 @@ from typing import Any
 from gemrender.errors import InputError
 from gemrender.reading import did_you_mean
 
-__all__ = ["RADIANCE_RANGE", "one_line", "one_of", "radiance", "spectrum", "two_sizes", "within"]
+__all__ = ["RADIANCE_RANGE", "numbers", "one_line", "one_of", "radiance", "spectrum", "two_sizes", "within"]
 
 #: Radiances that are not 0: single precision holds what is left of the least after many reflections.
 RADIANCE_RANGE = (1e-20, 1e9)
@@ -20,6 +20,17 @@ def one_of(part: Any, key: str, allowed: Sequence[str]) -> None:
     if value not in allowed:
         hint = did_you_mean(value, allowed) if isinstance(value, str) else ""
         raise InputError(f"must be one of {', '.join(allowed)}{hint}", key=key, value=value)
+
+
+def numbers(part: Any, key: str, count: int, low: float, high: float) -> tuple[float, ...]:
+    """Return an attribute that is so many numbers in a range."""
+    value = getattr(part, key)
+    good = isinstance(value, (list, tuple)) and len(value) == count
+    for number in value if good else ():
+        good &= isinstance(number, (int, float)) and not isinstance(number, bool) and low <= number <= high
+    if not good:
+        raise InputError(f"must be {count} numbers from {low:g} to {high:g}", key=key, value=value)
+    return tuple(float(number) for number in value)
 
 
 def two_sizes(value: Any) -> tuple[float, float]:

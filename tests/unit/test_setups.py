@@ -191,7 +191,10 @@ def test_any_order_line_ends_and_byte_order_mark_do():
 # ---- Mistakes ------------------------------------------------------------------------------------------
 
 _SKY_KEYS = "type, radiance, spectrum, zones, image, azimuth, scale, boxes"
-_TOP = "name, about, pose, facing, gap, white, expose_for, exposure, curve, camera, sky, ground, light"
+_TOP = (
+    "name, about, pose, facing, gap, girdle, white, expose_for, exposure, curve, camera, sky, ground, "
+    "setting, light, thing"
+)
 _OF_CAMERA = "type, elevation, azimuth, distance, margin, aperture, focus"
 _OF_LIGHT = "shape, elevation, azimuth, distance, size, count, radiance, spectrum"
 _SIZE = "must be one or two numbers above 0 [girdle radius]"
