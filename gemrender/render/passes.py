@@ -9,8 +9,8 @@ import numpy as np
 
 from gemrender.colorimetry import VISIBLE_NM
 from gemrender.render.noise import relative_error
+from gemrender.render.spread import roberts_steps
 from gemrender.scene.loading import load_scene
-from gemrender.scene.spread import roberts_steps
 
 __all__ = ["FIRST_NM", "LAST_NM", "Passes", "check_range"]
 
@@ -22,8 +22,9 @@ PASS_SAMPLES = 1 << 21
 _TILE_PIXELS = 1 << 18
 #: Entries of the table that wavelengths are drawn by.
 _N_DRAW = 1024
-#: Steps of what a camera sample is drawn by: pixel x and y, wavelength, lens u and v.
-_STEPS = roberts_steps(5)
+#: Steps of what a camera sample is drawn by, in 2^-32: pixel x and y, wavelength, lens u and v. Roberts' R4
+#: sequence, and for the fifth number, which is needed through a thin lens only, the square root of 2.
+_STEPS = (*roberts_steps(4), round((math.sqrt(2.0) - 1.0) * 2**32))
 
 #: Rounds of the cipher that makes numbers of pixel and seed: with Mitsuba's default of 4, neighbouring pixels
 #: and the two halves, whose seeds are neighbours, get numbers that go together; from 6 on none that do.

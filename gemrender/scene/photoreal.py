@@ -17,13 +17,15 @@ from gemrender.scene.mesh import placed_mesh, sweep_mesh, tube_mesh
 from gemrender.scene.moves import Move
 from gemrender.scene.placing import Placed, frame, place, towards
 from gemrender.scene.settings import make_setting
-from gemrender.scene.setup import Setup
+from gemrender.scene.setup import Light, Setup
 from gemrender.scene.surfaces import GROUND
 from gemrender.stone import ConvexSolid, Stone
 from gemrender.stone.solid import with_chords
 
 __all__ = ["MOST_PIXELS", "Gem", "PhotorealScene", "photoreal_scene", "title_of"]
 
+#: How many times as large set-ups may be made, that a row of stones has room.
+_GROWN = tuple(1.25**k for k in range(12))
 #: Longest side of a picture [pixels].
 MOST_PIXELS = 16384
 #: Half a width of grounds [girdle radius]: their edge is out of sight.
@@ -181,6 +183,8 @@ def photoreal_scene(
         stones = move.placed(stones, share, azimuth_deg=from_camera, on_ground=on_ground)
     points = np.concatenate([p.shown_points() for p in seen])
     reach = float(np.hypot(*points[:, :2].T).max())
+    if len(gems) > 1:
+        setup = _with_room(setup, target, reach, float(points[:, 2].max()))
     try:
         _check_apart(setup, target, reach, float(points[:, 2].max()))
         view = _sensor(setup, seen, target, width, height, samples)
@@ -246,17 +250,30 @@ def _check_apart(setup: Setup, target: np.ndarray, reach: float, height: float) 
             value=setup.camera.elevation,
         )
     for number, light in enumerate(setup.lights, start=1):
-        middle = target + light.distance * towards(light.elevation, light.azimuth)
-        half = 0.5 * float(np.hypot(*light.size))
-        # Of the cylinder that the stones take up, and the ball that the light does
-        beside = max(float(np.hypot(middle[0], middle[1])) - reach, 0.0)
-        above = max(float(middle[2]) - height, -float(middle[2]), 0.0)
-        if np.hypot(beside, above) <= half and light.shape != "ring":
+        if _is_near(light, target, reach, height):
             raise InputError(
                 f"too near: the stones reach {reach:.3g} girdle radii from the middle",
                 key=f"light {number}.distance",
                 value=light.distance,
             )
+
+
+def _is_near(light: Light, target: np.ndarray, reach: float, height: float) -> bool:
+    """Whether a light is where stones are: the ball that it takes up meets the cylinder that they do."""
+    middle = target + light.distance * towards(light.elevation, light.azimuth)
+    half = 0.5 * float(np.hypot(*light.size))
+    beside = max(float(np.hypot(middle[0], middle[1])) - reach, 0.0)
+    above = max(float(middle[2]) - height, -float(middle[2]), 0.0)
+    return bool(np.hypot(beside, above) <= half and light.shape != "ring")
+
+
+def _with_room(setup: Setup, target: np.ndarray, reach: float, height: float) -> Setup:
+    """Return the set-up, or for a row of stones that reaches its lights a larger one."""
+    for scale in _GROWN:
+        grown = setup if scale == 1.0 else setup.grown(scale)
+        if not any(_is_near(light, target, reach, height) for light in grown.lights):
+            return grown
+    return setup
 
 
 def _surface(gem: Gem, first_mm: float, dispersion: bool, stock: bool) -> dict[str, Any]:

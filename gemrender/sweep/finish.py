@@ -28,8 +28,8 @@ def finished(search: Search, places: Places) -> Places:
 
     Whole steps are tried one by one, which needs no slope where values jump. On continuous ranges the goal's
     exact slopes are followed by L-BFGS-B (Byrd et al., SIAM J. Sci. Comput. 16, 1190 (1995)); a goal that has
-    none goes by Nelder and Mead's simplex (Comput. J. 7, 308 (1965)). Both by scipy; what they tried counts
-    with the rest, so that a jump on their way loses nothing.
+    none, or of light that is reflected in part, goes by Nelder and Mead's simplex (Comput. J. 7, 308
+    (1965)). Both by scipy; what they tried counts with the rest, so that a jump on their way loses nothing.
     """
     for _ in range(_MOST_TURNS):
         before = search.known[places][0]
@@ -81,7 +81,8 @@ def _continuous(search: Search, places: Places) -> Places:
         return np.asarray(-np.nan_to_num(slope) * scale)
 
     start = np.array([places[k] for k in moving], dtype=float)
-    if has_slopes(search.aims[0]):
+    # Slopes of all light take longer than the simplex.
+    if has_slopes(search.aims[0]) and all(of.follow == "principal" for of in search.measures):
         minimize(
             loss, start, jac=slopes, bounds=limits, method="L-BFGS-B",
             options={"maxfun": _MOST_ALONG, "ftol": 0.0, "gtol": 1e-6},
