@@ -515,10 +515,18 @@ def test_a_camera_under_the_ground_is_refused(tmp_path):
 
 def test_a_light_among_the_stones_is_refused(tmp_path):
     path = tmp_path / "a.toml"
+    path.write_text(WHOLE + '[[light]]\nshape = "sphere"\nelevation = 0\ndistance = 1.2\nsize = 1\n')
+    with pytest.raises(InputError, match=r"light 1.distance = 1.2: too near: the stones reach 1\.?"):
+        scene_of(path)
+
+
+def test_a_row_of_stones_that_reaches_its_lights_gets_the_same_setup_larger(tmp_path):
+    path = tmp_path / "a.toml"
     path.write_text(WHOLE + '[[light]]\nshape = "sphere"\nelevation = 0\ndistance = 4\nsize = 1\n')
-    scene_of(path)
-    with pytest.raises(InputError, match=r"light 1.distance = 4: too near: the stones reach 5"):
-        scene_of(path, stones=5)
+    near, far = (scene_of(path, stones=number).plain["light_1"] for number in (1, 5))
+    grown = far["radius"] / near["radius"]
+    assert grown == pytest.approx(1.25**2)
+    assert np.hypot(*far["center"][:2]) == pytest.approx(grown * np.hypot(*near["center"][:2]))
 
 
 def test_a_sweep_bends_up_beyond_any_row_of_stones():

@@ -64,7 +64,7 @@ _COSINES, _SINES = np.cos(_AZIMUTHS), np.sin(_AZIMUTHS)
 _RADII, _HEIGHTS = (8, 8, 32, 8, 1), (8, 8, 16, 16, 8, 1)
 #: Star tips must lie below the table by at least this share of the crown height.
 _STAR_MARGIN = 1e-3
-#: Least thickness of a girdle that there is [%]: a thinner one is lost among rounding.
+#: Least thickness of a girdle [%]: a thinner one is none, since its facets are lost among rounding.
 _LEAST_GIRDLE = 1e-6
 
 
@@ -112,11 +112,8 @@ class RoundBrilliant:
                 key="star",
                 value=self.star,
             )
-        if 0.0 < self.girdle_thickness < _LEAST_GIRDLE:
-            raise InputError(
-                f"must be 0, or at least {_LEAST_GIRDLE:g} %", key="girdle_thickness",
-                value=self.girdle_thickness,
-            )  # fmt: skip
+        if self.girdle_thickness < _LEAST_GIRDLE:
+            object.__setattr__(self, "girdle_thickness", 0.0)
 
     @classmethod
     def from_angles(
