@@ -525,7 +525,7 @@ def test_a_row_of_stones_that_reaches_its_lights_gets_the_same_setup_larger(tmp_
     path.write_text(WHOLE + '[[light]]\nshape = "sphere"\nelevation = 0\ndistance = 4\nsize = 1\n')
     near, far = (scene_of(path, stones=number).plain["light_1"] for number in (1, 5))
     grown = far["radius"] / near["radius"]
-    assert grown == pytest.approx(1.25**2)
+    assert grown == pytest.approx(1.25**3)
     assert np.hypot(*far["center"][:2]) == pytest.approx(grown * np.hypot(*near["center"][:2]))
 
 
