@@ -201,7 +201,7 @@ def test_a_things_file_is_found_from_its_setup_and_placed(variant_llvm_ad_spectr
 @pytest.mark.parametrize(
     ("options", "told"),
     [
-        (["--metal", "gold"], "--metal = 'gold': is for a setting; give --setting too"),
+        (["--metal", "gold"], "--metal = 'gold': is for a setting; give one too, as solitaire"),
         (["--setting", "bezl"], "must be one of none, solitaire, bezel, pendant; did you mean bezel?"),
         (
             ["--setting", "bezel", "--metal", "lead"],
