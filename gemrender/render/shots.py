@@ -257,6 +257,8 @@ def held(
     for key, (value, allowed) in given.items():
         if value is not None:
             _word(key, value, allowed)
+    if setting is metal is girdle is None:
+        return setup
     made = replace(setup.setting, type=setting or setup.setting.type, metal=metal or setup.setting.metal)
     if metal and made.type == "none":
         raise InputError("is for a setting; give one too, as solitaire", key="metal", value=metal)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from meshes import ball, box
+from meshes import ball, box, obj
 
 from gemrender.cuts import load_stone
 from gemrender.errors import InputError
@@ -29,13 +29,6 @@ GEM = Gem(
     material_name="quartz",
     diameter_mm=4.0,
 )
-
-
-def obj(path, mesh):
-    positions, faces = mesh
-    lines = [f"v {x} {y} {z}" for x, y, z in positions] + [f"f {a} {b} {c}" for a, b, c in faces + 1]
-    Path(path).write_text("\n".join(lines) + "\n")
-    return str(path)
 
 
 def furnace(things=(), **more):
