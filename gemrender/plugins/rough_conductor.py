@@ -9,6 +9,7 @@ import numpy as np
 from gemrender.errors import InputError
 from gemrender.optics.microfacets import COSINES, single_albedo
 from gemrender.plugins.properties import number
+from gemrender.scene.loading import load_scene
 
 #: Gauss and Legendre's places and weights, for the mean of Fresnel's reflectance over the hemisphere.
 _PLACES, _WEIGHTS = (0.5 * (x + k) for x, k in zip(np.polynomial.legendre.leggauss(4), (1, 0), strict=True))
@@ -67,7 +68,7 @@ class RoughConductor(mi.BSDF):
         self.eta, self.k = props.get_unbounded_texture("eta", 0.0), props.get_unbounded_texture("k", 1.0)
         index = {"eta": self.eta, "k": self.k}
         #: What the first bounce does.
-        self.single = mi.load_dict(
+        self.single = load_scene(
             {"type": "roughconductor", "distribution": "ggx", "alpha": self.alpha, **index}
         )
         albedo, self.average = single_albedo(self.alpha)
