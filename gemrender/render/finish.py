@@ -15,6 +15,7 @@ from gemrender.errors import InputError
 from gemrender.render.curves import needed_for
 from gemrender.render.develop import auto_exposure, decode_srgb, develop
 from gemrender.render.fireflies import without_fireflies
+from gemrender.render.first_seen import Seen
 from gemrender.render.formats import STILL_SUFFIXES
 from gemrender.render.photoreal import Picture, require_denoiser
 from gemrender.render.picture_files import SPECTRAL_ATTRIBUTES, spectral_channel, write_exr, write_png
@@ -58,10 +59,9 @@ def denoised(picture: Picture, *, clamp: bool = False) -> Picture:
     xyz = _denoised(oidn, picture.xyz, picture.albedo, picture.normal)
     front = picture.foreground
     if front is not None:
-        white = np.repeat(front.alpha[..., None], 3, axis=2)  # the albedo of stones is 1
-        of_stones = _denoised(oidn, front.xyz, white, front.normal)
-        of_stones[front.alpha == 0] = 0
-        front = replace(front, xyz=of_stones)
+        alone = _denoised(oidn, front.xyz, front.albedo, front.normal)
+        alone[front.alpha == 0] = 0
+        front = replace(front, xyz=alone)
     return replace(picture, xyz=xyz, foreground=front, halves=None)
 
 
@@ -127,11 +127,12 @@ def white_of(picture: Picture, setup: Setup) -> np.ndarray:
 
 
 def _on_stones(picture: Picture) -> np.ndarray:
-    return np.asarray((picture.coverage > 0.99) & (picture.albedo.min(axis=2) > 0.99))
+    only = (picture.coverage > 0.99) & (picture.albedo.min(axis=2) > 0.99)  # of stones it is 1
+    return np.asarray((picture.shows == Seen.STONE) & only)
 
 
 def _on_ground(picture: Picture) -> np.ndarray:
-    return np.asarray((picture.coverage > 0.99) & (picture.albedo.max(axis=2) < 0.99))
+    return np.asarray((picture.shows == Seen.GROUND) & (picture.coverage > 0.99))
 
 
 def developed(picture: Picture, setup: Setup, *, exposure: float, curve: str = "linear") -> np.ndarray:
@@ -210,8 +211,7 @@ def _write_exr(
     front = picture.foreground
     xyz, albedo, normal, coverage = picture.xyz, picture.albedo, picture.normal, picture.coverage
     if front is not None:
-        xyz, normal, coverage = front.xyz, front.normal, front.alpha
-        albedo = np.repeat(front.alpha[..., None], 3, axis=2)  # of stones it is 1
+        xyz, albedo, normal, coverage = front.xyz, front.albedo, front.normal, front.alpha
     rgb = xyz_to_linear_srgb(adapt(xyz, white_xyz(setup.white)))
     channels: dict[str, Any] = {name: rgb[..., k] for k, name in enumerate("RGB")}
     if front is not None:
