@@ -102,6 +102,17 @@ def test_imports_go_upwards(module):
         assert RANK[above] < RANK[part], f"{part} must not import {name}"
 
 
+def test_no_study_imports_from_a_package_of_studies(module):
+    """Atlases and the search for better stones rest on the other files of `sweep`, not on each other."""
+    inner = {f"gemrender.sweep.{path.parent.name}" for path in (PACKAGE / "sweep").glob("*/__init__.py")}
+    assert inner == {"gemrender.sweep.atlas", "gemrender.sweep.improve"}
+    if part_of(module) != "sweep":
+        return
+    others = inner - {f"gemrender.sweep.{module.parent.name}"}
+    for name in imports(parsed(module)):
+        assert ".".join(name.split(".")[:3]) not in others, f"{module.name} must not import {name}"
+
+
 def test_the_face_is_asked_for_its_version_only(module):
     """From inside, `import gemrender` would be a way back."""
     if module.name == "__main__.py":
