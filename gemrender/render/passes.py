@@ -10,6 +10,7 @@ import numpy as np
 from gemrender.colorimetry import VISIBLE_NM
 from gemrender.render.noise import relative_error
 from gemrender.scene.loading import load_scene
+from gemrender.scene.spread import roberts_steps
 
 __all__ = ["FIRST_NM", "LAST_NM", "Passes", "check_range"]
 
@@ -21,9 +22,8 @@ PASS_SAMPLES = 1 << 21
 _TILE_PIXELS = 1 << 18
 #: Entries of the table that wavelengths are drawn by.
 _N_DRAW = 1024
-#: Roberts' R5 sequence (pixel x and y, wavelength, lens u and v): powers of 1/g, g^6 = g + 1, in 2^-32.
-_G = 1.1673039782614187
-_STEPS = tuple(round((_G**-k % 1.0) * 2**32) for k in range(1, 6))
+#: Steps of what a camera sample is drawn by: pixel x and y, wavelength, lens u and v.
+_STEPS = roberts_steps(5)
 
 #: Rounds of the cipher that makes numbers of pixel and seed: with Mitsuba's default of 4, neighbouring pixels
 #: and the two halves, whose seeds are neighbours, get numbers that go together; from 6 on none that do.

@@ -204,3 +204,13 @@ def test_a_stone_in_a_stone_is_refused():
     Passes(own_scene([0, 0.1, 5], (0, 0, 0), (2.0, 0, 0)))  # they touch
     with pytest.raises(InputError, match=r"^stones = 'stone_\d in stone_\d': must not overlap$"):
         Passes(own_scene([0, 0.1, 5], (0, 0, 0), (1.9, 0, 0)))
+
+
+def test_the_numbers_of_a_camera_sample_have_nothing_in_common(scene):
+    """Sums and differences of two of them, modulo 1, are even over the samples of a pixel."""
+    u = [np.asarray(x) for x in Passes(scene)._samples(0, 1, 4096, 0, 3)[1]]
+    for k, a in enumerate(u):
+        for b in u[:k]:
+            for together in (a + b, a - b):
+                counts, _ = np.histogram(together % 1, 16, (0, 1))
+                assert counts.min() > 0.5 * counts.mean()
