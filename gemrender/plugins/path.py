@@ -46,8 +46,7 @@ class PathIntegrator(mi.SamplingIntegrator):
     - **No choice by chance between reflection and refraction.** Where a ray meets a stone from outside, both
       branches are followed. Inside, at each surface that lets some light through, what comes in there is
       added with its share, and the rest is followed on by reflection. Of the branches that end on something
-      that is neither light nor sky one is drawn, in proportion to its share, and goes on. Seen from a diffuse
-      surface, in spectral variants, one way through is drawn instead, for each wavelength.
+      that is neither light nor sky one is drawn, in proportion to its share, and goes on.
     - **Inside a convex stone no ray tracer is asked**: the next facet is the nearest of its planes, which its
       mesh carries (``gemrender scene`` writes them). Other stones, and those of more than 384 planes, are
       left to Embree.
@@ -175,7 +174,7 @@ class PathIntegrator(mi.SamplingIntegrator):
     def _radiance(self, scene, stones, sampler, ray, active, caustics):  # type: ignore[no-untyped-def]  # dr.syntax
         max_depth = mi.UInt32(self.max_depth if self.max_depth >= 0 else 0xFFFFFFFF)
         context = mi.BSDFContext()
-        walking = caustics is not None or stones.n_ways > 1
+        walking = caustics is not None
 
         L = mi.Spectrum(0)  # radiance found so far
         β = mi.Spectrum(1)  # throughput
@@ -274,20 +273,21 @@ class PathIntegrator(mi.SamplingIntegrator):
             ends = mi.Bool(walks)
             for k in range(stones.n_ways):
                 ends |= part & (drawn[k].weight > 0)
-            if dr.hint(walking, mode="scalar"):
+            if dr.hint(walking or stones.n_ways > 1, mode="scalar"):
                 while dr.hint(ends, label="gem_path: ends"):
                     end = drawn[0]
                     for k in range(1, stones.n_ways):
                         end = dr.select(way == k, drawn[k], end)
-                    channel = dr.select(part, way, stones.alive(β))
-                    walk_o, walk_d, walk_β, walk_depth, walked = walk(
-                        stones, stone, si.p, d, n, stones.only(β, channel, part),
-                        stones.of_channel(eta, channel), ray.wavelengths,
-                        chance, depth, max_depth, ends & walks,
-                    )  # fmt: skip
-                    weight_of_walk = dr.select(walked, dr.mean(walk_β), 0)
-                    walked_end = Branch(weight_of_walk, walk_o, walk_d, walk_β, part | parted, walk_depth)
-                    end = dr.select(walks, walked_end, end)
+                    if dr.hint(walking, mode="scalar"):
+                        channel = dr.select(part, way, stones.alive(β))
+                        walk_o, walk_d, walk_β, walk_depth, walked = walk(
+                            stones, stone, si.p, d, n, stones.only(β, channel, part),
+                            stones.of_channel(eta, channel), ray.wavelengths,
+                            chance, depth, max_depth, ends & walks,
+                        )  # fmt: skip
+                        weight_of_walk = dr.select(walked, dr.mean(walk_β), 0)
+                        walked_end = Branch(weight_of_walk, walk_o, walk_d, walk_β, part | parted, walk_depth)
+                        end = dr.select(walks, walked_end, end)
                     looks = ends & part & (end.weight > 0)
                     end_ray = mi.Ray3f(end.o, end.d, ray.time, ray.wavelengths)
                     end_si = scene.ray_intersect(end_ray, mi.RayFlags.AllNonDifferentiable, False, looks)
