@@ -20,7 +20,8 @@ from gemrender.engines import observe, trace_paths
 from gemrender.errors import BackendError, GemrenderError, GemrenderWarning, InputError
 from gemrender.render import import_order as _import_order
 
-# At once, not on demand: the function has its module's name, and must be bound after the module.
+# At once, not on demand: the function has its module's name, and must be bound after the module. `render`,
+# the package, is itself called.
 from gemrender.scoring import Score, score
 
 if TYPE_CHECKING:
@@ -42,9 +43,13 @@ if TYPE_CHECKING:
     from gemrender.observation import Model, Observation, RayStatus, View
     from gemrender.paths import Paths
     from gemrender.render.backend import mitsuba
+    from gemrender.render.from_python import render, render_film
+    from gemrender.render.picture import Picture
+    from gemrender.scene.setup import Setup, bundled_setups, load_setup
     from gemrender.stereo import StereoScore, score_stereo
     from gemrender.stone import Stone
     from gemrender.sweep.improve import improve
+    from gemrender.sweep.pareto import pareto_front
     from gemrender.sweep.tolerance import study_tolerance
     from gemrender.sweep.unknown import Cutting, Measuring, Rounding
 
@@ -62,22 +67,29 @@ __all__ = [
     "Model",
     "Observation",
     "Paths",
+    "Picture",
     "RayStatus",
     "RoundBrilliant",
     "Rounding",
     "Score",
+    "Setup",
     "StereoScore",
     "Stone",
     "View",
     "VirtualFacets",
+    "bundled_setups",
     "bundled_stones",
     "families",
     "improve",
+    "load_setup",
     "load_stone",
     "load_stones",
     "measure_maps",
     "mitsuba",
     "observe",
+    "pareto_front",
+    "render",
+    "render_film",
     "save_stone",
     "score",
     "score_stereo",
@@ -104,6 +116,11 @@ _ON_DEMAND = {
     "load_stones": "gemrender.cuts",
     "measure_maps": "gemrender.mapping",
     "mitsuba": "gemrender.render.backend",
+    "Picture": "gemrender.render.picture",
+    "render_film": "gemrender.render.from_python",
+    "Setup": "gemrender.scene.setup",
+    "bundled_setups": "gemrender.scene.setup",
+    "load_setup": "gemrender.scene.setup",
     "save_stone": "gemrender.cuts",
     "stone_from_vertices": "gemrender.cuts",
     "vary": "gemrender.cuts",
@@ -114,6 +131,7 @@ _ON_DEMAND = {
     "Rounding": "gemrender.sweep.unknown",
     "families": "gemrender.cuts.families",
     "improve": "gemrender.sweep.improve",
+    "pareto_front": "gemrender.sweep.pareto",
     "study_tolerance": "gemrender.sweep.tolerance",
     "VirtualFacets": "gemrender.beam",
     "sensitivity": "gemrender.beam.sensitivity",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from enum import IntEnum
+from functools import lru_cache
 
 import numpy as np
 
@@ -207,23 +208,28 @@ class View:
 
     def basis(self) -> np.ndarray:
         """Return the map's right, its up, and the direction to the eye, in the stone's frame, (3, 3)."""
-        tilt, azimuth = math.radians(self.tilt_deg), math.radians(self.tilt_azimuth_deg)
-        cos, sin, x, y = math.cos(tilt), math.sin(tilt), math.cos(azimuth), math.sin(azimuth)
-        # Rodrigues' rotation about the horizontal axis (-y, x, 0).
-        across = -(1.0 - cos) * x * y
-        return np.array(
-            [
-                [cos + (1.0 - cos) * y * y, across, -sin * x],
-                [across, cos + (1.0 - cos) * x * x, -sin * y],
-                [sin * x, sin * y, cos],
-            ]
-        )
+        return _basis(self.tilt_deg, self.tilt_azimuth_deg).copy()
 
     def cell_centres(self) -> tuple[np.ndarray, np.ndarray]:
         """Return x of the columns and y of the rows, each (resolution,) [girdle radius]."""
         step = 2 * self.half_width / self.resolution
         x = -self.half_width + step * (np.arange(self.resolution) + 0.5)
         return x, -x
+
+
+@lru_cache(maxsize=16)  # a score asks for it several times
+def _basis(tilt_deg: float, azimuth_deg: float) -> np.ndarray:
+    tilt, azimuth = math.radians(tilt_deg), math.radians(azimuth_deg)
+    cos, sin, x, y = math.cos(tilt), math.sin(tilt), math.cos(azimuth), math.sin(azimuth)
+    # Rodrigues' rotation about the horizontal axis (-y, x, 0).
+    across = -(1.0 - cos) * x * y
+    return np.array(
+        [
+            [cos + (1.0 - cos) * y * y, across, -sin * x],
+            [across, cos + (1.0 - cos) * x * x, -sin * y],
+            [sin * x, sin * y, cos],
+        ]
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

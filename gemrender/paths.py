@@ -12,7 +12,7 @@ import numpy as np
 from gemrender.errors import BackendError
 from gemrender.stone import Stone
 
-__all__ = ["FOLLOW", "Paths"]
+__all__ = ["FOLLOW", "Paths", "library"]
 
 #: Ways to follow light: `principal`, by total reflection until the first crossing below the critical angle
 #: (the paper); `all`, where at each such crossing the transmitted share leaves and the reflected one goes on.
@@ -24,8 +24,8 @@ class Paths:
     """Paths of light, one row a path, followed back from the eye: of a pixel, a ray, or a virtual facet.
 
     No tracer knows a measure, and no measure a tracer: measures are functions of these
-    (`gemrender.measures`). Where planes carry derivatives (complex128), so do areas, cosines, points and
-    directions.
+    (`gemrender.measures`). Where planes carry derivatives (complex128), so do areas, weights, cosines, points
+    and directions.
 
     Where all light is followed, a ray has a row for each crossing through which some of it leaves, and the
     first of them is its principal path: rows with no partial reflection together make the view. The share of
@@ -37,7 +37,7 @@ class Paths:
         Area of the view that each stands for [stone's unit^2]. Of random continuations (rows of a ray that
         has been reflected in part) the area divided by the probability of being chosen: sums of area times
         share are unbiased.
-    weight : (n,) float64
+    weight : (n,) float64 or complex128
         Product of the reflectances at the partial reflections inside before it leaves; 1 without any.
     status : (n,) int64
         `RayStatus`. TRAPPED is light that is still inside where it was followed no further.
@@ -138,7 +138,7 @@ class Paths:
         BackendError
             pandas is not installed.
         """
-        return _library("pandas").DataFrame(self.to_dict())
+        return library("pandas").DataFrame(self.to_dict())
 
     def to_xarray(self) -> Any:
         """Return an xarray Dataset along `path`; points and directions along `axis` too.
@@ -149,7 +149,7 @@ class Paths:
             xarray is not installed.
         """
         columns = {each.name: getattr(self, each.name) for each in fields(self) if each.name != "stone"}
-        return _library("xarray").Dataset(
+        return library("xarray").Dataset(
             {
                 name: (("path", "axis")[: column.ndim], column)
                 for name, column in columns.items()
@@ -160,7 +160,14 @@ class Paths:
         )
 
 
-def _library(name: str) -> Any:
+def library(name: str) -> Any:
+    """Import a library that only some need.
+
+    Raises
+    ------
+    BackendError
+        It is not installed; with the cure.
+    """
     try:
         return importlib.import_module(name)
     except ImportError as error:

@@ -1,27 +1,34 @@
-"""Time atlases of random round brilliants: a Sobol design of six parameters, on two threads.
+"""Time atlases of random round brilliants: a Sobol design of six parameters, on two processes.
 
-    python scripts/benchmark_atlas.py [--stones 2000] [--threads 2] [--dask]
+    python scripts/benchmark_atlas.py [--stones 2000] [--processes 2] [--dask]
+    python scripts/benchmark_atlas.py --stones 50000 --dask       some 12 minutes on two cores
 
-Each line has stones a second by the clock, what is wanted, and their ratio; the clock needs a quiet machine,
-and the first line tells how quiet it is. Beside it stand the processors' time for a stone, which other
-programs spoil less, and what share of that the same stones take of the exact engine alone, one after the
-other in one thread: the rest is what the atlas adds. The last column is how long a million stones take at
-that rate. With `--dask` the same is done by as many workers on this machine, their start left out.
+The first line tells how quiet the machine is, which the clock needs. For each case there are
+
+- stones a second of all processes, what is wanted of two cores, and their ratio, from when every process has
+  done its first stones, so that their start is left out; and how long a million stones take, extrapolated;
+- linear in cores: that rate over what one process does with some of the stones, of so many processes;
+- what share the exact engine alone has of a stone's time in that process: the rest is what the atlas adds;
+- the most memory that a process has taken.
+
+With `--dask` up to 20000 stones of the first case are measured by as many workers of a Dask cluster on this
+machine, and once more without Dask: how much longer they take is what Dask adds.
 """
 
 from __future__ import annotations
 
 import argparse
 import os
+import resource
+import sys
 import tempfile
 import time
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
-from gemrender.sweep.atlas import make_atlas
-from gemrender.sweep.atlas_chunk import chunk_values
-from gemrender.sweep.atlas_plan import AtlasPlan
-from gemrender.sweep.atlas_plan_file import read_plan
+from gemrender.sweep.atlas import AtlasPlan, make_atlas, read_plan
+from gemrender.sweep.atlas.chunk import chunk_values
 
 PLAN = """
 stone = "gia-excellent"
@@ -40,18 +47,49 @@ seed = 1
 """
 #: Measures, bound [%], and stones a second that are wanted of two cores.
 CASES = (("inoue", 0.05, 500.0), ("inoue, iso, aset", 0.2, 50.0))
-#: Stones that the engine alone is timed on.
-ALONE = 200
+#: One process is timed on this share of the stones, and on so many at the least; the engine alone on so many.
+SHARE, FEWEST, ALONE = 25, 200, 200
+#: Most stones that Dask is timed on.
+DASK = 20_000
+#: Rates are counted from this share of the stones on.
+WARM = 0.02
 
 
-def processor_seconds() -> float:
-    """Return the time that processors have spent on this process and on those that have ended [s]."""
-    times = os.times()
-    return times.user + times.system + times.children_user + times.children_system
+@dataclass(frozen=True, kw_only=True)
+class Run:
+    """Stones a second by the clock, and this process's own time for a stone [s]."""
+
+    rate: float
+    each: float
+
+
+def planned(measures: str, bound: float, number: int, workers: int) -> AtlasPlan:
+    """Return the plan of so many stones, in chunks of which every worker has several."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "plan.toml")
+        path.write_text(PLAN.format(measures=measures, bound=bound, number=number))
+        plan = read_plan(path)
+    return replace(plan, chunk=min(plan.chunk, max(number // (4 * workers), 1)))
+
+
+def timed(plan: AtlasPlan, workers: int, **options: Any) -> Run:
+    """Make an atlas, and count from when each worker has done its first stones."""
+    share = max(WARM, workers * plan.chunk / plan.stones if "dask" in options else 0.0)
+    began = [0.0, 0.0, 0.0]
+
+    def begin(done: float) -> None:
+        if done >= share and not began[2]:
+            began[:] = time.perf_counter(), time.process_time(), done
+
+    with tempfile.TemporaryDirectory() as folder:
+        make_atlas(plan, str(Path(folder, "a.zarr")), progress=begin, **options)
+        took, own = time.perf_counter() - began[0], time.process_time() - began[1]
+    stones = (1.0 - began[2]) * plan.stones
+    return Run(rate=stones / took, each=own / stones)
 
 
 def engine_seconds(plan: AtlasPlan) -> float:
-    """Return the processor's time for a stone, made and measured by the engine alone [s]."""
+    """Return this process's time for a stone, measured by the engine alone [s]."""
     stones = [plan.made(setting) for setting in plan.sample(ALONE)]
     start = time.process_time()
     for stone in stones:
@@ -59,43 +97,53 @@ def engine_seconds(plan: AtlasPlan) -> float:
     return (time.process_time() - start) / len(stones)
 
 
+def most_memory() -> float:
+    """Return the most memory that this process, or one that has ended, has taken [GiB]."""
+    unit = 2**30 if sys.platform == "darwin" else 2**20
+    return (
+        max(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+        / unit
+    )
+
+
 def main() -> None:
-    """Time the cases, and print a line for each."""
+    """Time the cases, and print what was found of each."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--stones", type=int, default=2000)
-    parser.add_argument("--threads", type=int, default=2)
-    parser.add_argument("--dask", action="store_true", help="workers of a Dask cluster in place of threads")
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--dask", action="store_true", help="time workers of a Dask cluster, too")
     options = parser.parse_args()
+    stones, processes = options.stones, options.processes
     busy = f", load {os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else ""
-    print(f"{os.cpu_count()} cores{busy}; {options.threads} {'workers' if options.dask else 'threads'}")
+    print(f"{os.cpu_count()} cores{busy}; {stones} stones, {processes} processes", flush=True)
     for measures, bound, wanted in CASES:
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder, "plan.toml")
-            path.write_text(PLAN.format(measures=measures, bound=bound, number=options.stones))
-            plan = replace(read_plan(path), chunk=max(options.stones // (8 * options.threads), 1))
-            alone = engine_seconds(plan)
-            began = [0.0, 0.0, 0.0]
-
-            def begin(share: float, began: list[float] = began) -> None:
-                """Begin to count after the first chunk, when everything is loaded and started."""
-                if share > 0 and not began[2]:
-                    began[:] = time.perf_counter(), processor_seconds(), share
-
-            dask = f"local:{options.threads}" if options.dask else None
-            threads = None if options.dask else options.threads
-            make_atlas(plan, str(Path(folder, "a.zarr")), threads=threads, dask=dask, progress=begin)
-            took, processors = time.perf_counter() - began[0], processor_seconds() - began[1]
-            stones = (1.0 - began[2]) * plan.stones
-            rate, each = stones / took, processors / stones
-            beside = "" if options.dask else (
-                f"; processors {1e3 * each:.1f} ms a stone, {100 * min(alone / each, 1):.0f} % of it "
-                "the engine"
-            )  # fmt: skip
+        few = planned(measures, bound, max(stones // SHARE, FEWEST), 1)
+        timed(planned(measures, bound, FEWEST // 10, 1), 1, processes=1)  # what happens once in a process
+        one = timed(few, 1, processes=1)
+        alone = engine_seconds(few)
+        run = timed(planned(measures, bound, stones, processes), processes, processes=processes)
+        print(
+            f"{measures}, bound {bound:g}: {run.rate:.1f} a second, wanted {wanted:g}, ratio "
+            f"{run.rate / wanted:.2f}; a million, extrapolated: {1e6 / run.rate / 3600:.2f} h"
+        )
+        print(
+            f"  linear in cores: rate of {processes} processes / rate of 1 = {run.rate:.1f} / {one.rate:.1f} "
+            f"= {run.rate / one.rate:.2f} of {processes}"
+        )
+        print(
+            f"  engine alone: {1e3 * alone:.2f} of {1e3 * one.each:.2f} ms a stone, "
+            f"{100 * min(alone / one.each, 1):.0f} %; most memory of a process {most_memory():.2f} GiB",
+            flush=True,
+        )
+        if options.dask and measures == CASES[0][0]:
+            plan = planned(measures, bound, min(stones, DASK), processes)
+            by_dask = timed(plan, processes, dask=f"local:{processes}")
+            without = timed(plan, processes, processes=processes)
             print(
-                f"{measures:<18} bound {bound:<5g} {rate:8.1f} a second, wanted {wanted:g}, ratio "
-                f"{rate / wanted:.2f}{beside}; a million: {1e6 / rate / 3600:.1f} h",
+                f"  by Dask, {plan.stones} stones: {by_dask.rate:.1f} a second, without it "
+                f"{without.rate:.1f}: Dask adds {100 * (without.rate / by_dask.rate - 1):.1f} %",
                 flush=True,
             )
 

@@ -1,6 +1,7 @@
 """How fast the Mitsuba engine follows principal rays, against a bare loop in the same run.
 
-    python scripts/benchmark_rays.py [--resolution 2048] [--repeats 7] [--stone inoue-3] [--quick]
+    python scripts/benchmark_rays.py [--resolution 2048] [--repeats 7] [--stone inoue-3]
+                                     [--variant llvm_ad_mono] [--quick]
 
 Prints ratios, since shared machines are noisy: the engine against a bare loop over
 `scene.ray_intersect` that does the same optics and nothing else (single precision, no facet numbers, no
@@ -16,23 +17,21 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
 
 from gemrender.cuts import load_stone
 from gemrender.cuts.random import random_brilliant
 from gemrender.engines import DEFAULT_VARIANT
 from gemrender.observation import LIGHT_LEVEL, MOST_REFLECTIONS, Model, View
+from gemrender.render import observe as engine
 from gemrender.render.backend import ensure_variant
+from gemrender.scene import stone_scene
 from gemrender.stone import Stone
-
-ensure_variant(DEFAULT_VARIANT)
-
-import drjit as dr  # noqa: E402 (a variant comes first)
-import mitsuba as mi  # noqa: E402
-import numpy as np  # noqa: E402
-
-from gemrender.render import observe as engine  # noqa: E402
-from gemrender.scene import stone_scene  # noqa: E402
 
 _OFFSET = 2e-6  # of the bare loop's rays, inwards along the normal
 
@@ -74,8 +73,36 @@ def transmitted(cos_air: mi.Float, cos_stone: mi.Float, index: mi.Float) -> mi.F
     return 1 - 0.5 * (r_s * r_s + r_p * r_p)
 
 
-def ray_benchmark(stone: Stone, resolution: int, repeats: int) -> None:
-    """Time the bare loop, the plugins, the maps and `mi.render`, taking turns."""
+#: What `time_rays` calls the bare loop, and the engine's own part.
+BARE, ENGINE = "bare loop", "sensor and gem_primary"
+
+
+@dataclass(frozen=True, kw_only=True)
+class RayTimes:
+    """How long each way took [s], by its name; segments that rays have in all; and scores of two ways.
+
+    Scores are Average and Rear [%], by the bare loop and by the engine.
+    """
+
+    seconds: dict[str, list[float]]
+    segments: int
+    average: tuple[float, float]
+    rear: tuple[float, float]
+
+    def rate(self, name: str) -> float:
+        """Return millions of segments a second, at best."""
+        return self.segments / min(self.seconds[name]) / 1e6
+
+    def ratio(self, name: str) -> float:
+        """Return the best time by the bare loop's."""
+        return min(self.seconds[name]) / min(self.seconds[BARE])
+
+
+def time_rays(stone: Stone, resolution: int, repeats: int, *, only: tuple[str, ...] = ()) -> RayTimes:
+    """Time the bare loop, the plugins, the maps and `mi.render`, or `only` some, taking turns.
+
+    They run in the active variant.
+    """
     view, model = View.of(stone, resolution), Model.of(stone, fresnel="exact")
     scene: Any = mi.load_dict(stone_scene(stone, view, model))
     with_all: Any = mi.load_dict(stone_scene(stone, view, model, follow="all"))
@@ -100,12 +127,13 @@ def ray_benchmark(stone: Stone, resolution: int, repeats: int) -> None:
         dr.eval(with_all.integrator().measure(with_all, ray, sampler))
 
     runs: dict[str, Callable[[], Any]] = {
-        "bare loop": bare,
-        "sensor and gem_primary": lambda: engine.follow(scene, engine.film_rays(scene.sensors()[0])),
+        BARE: bare,
+        ENGINE: lambda: engine.follow(scene, engine.film_rays(scene.sensors()[0])),
         "the same, all light": all_light,
-        "observe, all maps": lambda: engine.observe(stone, view, model),
+        "observe, all maps": lambda: engine.observe(stone, view, model, variant=mi.variant()),
         "mi.render, 15 channels": render,
     }
+    runs = {name: run for name, run in runs.items() if not only or name in only}
     seconds: dict[str, list[float]] = {name: [] for name in runs}
     for turn in range(repeats + 1):
         for name, run in runs.items():
@@ -116,36 +144,51 @@ def ray_benchmark(stone: Stone, resolution: int, repeats: int) -> None:
                 seconds[name].append(time.perf_counter() - start)
 
     intensity, rear, reflections = (np.array(a) for a in bare())
-    observation = engine.observe(stone, view, model)
+    observation = engine.observe(stone, view, model, variant=mi.variant())
     covered = int(np.count_nonzero(observation.coverage))
-    segments = covered * 2 + int(reflections.sum())
-    print(f"{stone.name}, {resolution} x {resolution} rays, {segments / 1e6:.1f} M segments, {mi.variant()}")
+    return RayTimes(
+        seconds=seconds,
+        segments=covered * 2 + int(reflections.sum()),
+        average=(
+            float(intensity.sum()) / covered,
+            float(observation.primary_intensity.sum()) / covered,
+        ),
+        rear=(100 * float(rear.sum()) / covered, 100 * float(observation.rear_mask.sum()) / covered),
+    )
+
+
+def ray_benchmark(stone: Stone, resolution: int, repeats: int) -> None:
+    """Print the times of `time_rays`."""
+    found = time_rays(stone, resolution, repeats)
+    print(
+        f"{stone.name}, {resolution} x {resolution} rays, {found.segments / 1e6:.1f} M segments, "
+        f"{mi.variant()}"
+    )
     print(f"  {'':<24}{'median':>9}{'lowest':>9}{'M seg/s':>9}{'ratio of medians':>18}{'of lowest':>11}")
-    base = seconds["bare loop"]
-    for name, times in seconds.items():
-        middle, lowest = statistics.median(times), min(times)
+    base = statistics.median(found.seconds[BARE])
+    for name, times in found.seconds.items():
+        middle = statistics.median(times)
         print(
-            f"  {name:<24}{middle:>7.3f} s{lowest:>7.3f} s{segments / lowest / 1e6:>9.1f}"
-            f"{middle / statistics.median(base):>18.2f}{lowest / min(base):>11.2f}"
+            f"  {name:<24}{middle:>7.3f} s{min(times):>7.3f} s{found.rate(name):>9.1f}"
+            f"{middle / base:>18.2f}{found.ratio(name):>11.2f}"
         )
     print(
-        f"  Average: bare loop {intensity.sum() / covered:.3f}, engine "
-        f"{observation.primary_intensity.sum() / covered:.3f}; Rear: {100 * rear.sum() / covered:.3f}, "
-        f"{100 * observation.rear_mask.sum() / covered:.3f}"
+        f"  Average: bare loop {found.average[0]:.3f}, engine {found.average[1]:.3f}; "
+        f"Rear: {found.rear[0]:.3f}, {found.rear[1]:.3f}"
     )
 
 
 def kernel_benchmark(stone: Stone, resolution: int) -> None:
     """Count the kernels that further stones and another index compile."""
     view, model = View.of(stone, resolution), Model.of(stone, fresnel="exact")
-    engine.observe(stone, view, model)
+    engine.observe(stone, view, model, variant=mi.variant())
     rng = np.random.default_rng(1)
     others = [Stone.from_proportions(random_brilliant(rng)) for _ in range(5)]
     with dr.scoped_set_flag(dr.JitFlag.KernelHistory, True):
         dr.kernel_history_clear()
         for other in others:
-            engine.observe(other, view, model)
-        engine.observe(stone, view, Model(index=1.77, fresnel="exact"))
+            engine.observe(other, view, model, variant=mi.variant())
+        engine.observe(stone, view, Model(index=1.77, fresnel="exact"), variant=mi.variant())
         kernels = [k for k in dr.kernel_history() if k["type"] == dr.KernelType.JIT]
     compiled = sum(not k["cache_hit"] for k in kernels)
     print(f"5 further stones and another index: {len(kernels)} kernels run, {compiled} compiled")
@@ -183,8 +226,10 @@ def main() -> None:
     parser.add_argument("--stone", default="inoue-3")
     parser.add_argument("--resolution", type=int, default=2048)
     parser.add_argument("--repeats", type=int, default=7)
+    parser.add_argument("--variant", default=DEFAULT_VARIANT)
     parser.add_argument("--quick", action="store_true", help="leave out processes and memory")
     options = parser.parse_args()
+    ensure_variant(options.variant)
     stone = load_stone(options.stone)
     ray_benchmark(stone, options.resolution, options.repeats)
     kernel_benchmark(stone, 512)

@@ -11,22 +11,29 @@ or exposure that is not finite or negative, and how many ended in a traceback; t
 from __future__ import annotations
 
 import argparse
+import os
 import sys
+import tempfile
 import time
 import traceback
 import warnings
 from collections import Counter
 from itertools import pairwise
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from gemrender.errors import GemrenderError, InputError
 from gemrender.scene.setup import (
     CAMERAS,
+    CURVES,
+    EXPOSURES,
     GROUNDS,
     LIGHTS,
     POSES,
     SKIES,
+    Box,
     Camera,
     Ground,
     Light,
@@ -34,6 +41,7 @@ from gemrender.scene.setup import (
     Sky,
     Zone,
 )
+from gemrender.scene.sky_boxes import SHAPES
 
 #: Angles at which things are edge-on, upright or level [deg].
 TELLING = (-90.0, -89.5, 0.0, 1e-6, 45.0, 89.5, 90.0)
@@ -68,13 +76,14 @@ def main() -> int:
 def outcome(setup: Setup, size: int, samples: int, seed: int) -> str:
     """Render a stone in a set-up; return what came of it."""
     from gemrender.cuts import load_stone
-    from gemrender.render.finish import exposure_of
+    from gemrender.render.finish import developed, exposure_of
     from gemrender.render.photoreal import make_gems, render
 
     try:
         gems = make_gems([load_stone("inoue-3")])
         picture = render(gems, setup, width=size, height=size, spp=samples, seed=seed)
         exposure = exposure_of(picture, setup)
+        developed(picture, setup, exposure=exposure, curve=setup.curve)
     except InputError:
         return "refused"
     except GemrenderError:
@@ -108,6 +117,8 @@ def random_setup(rng: np.random.Generator) -> Setup:
                     distance=float(10 ** rng.uniform(np.log10(3), 3)),
                 ),
                 white=_spectrum(rng),
+                expose_for=str(rng.choice(EXPOSURES)),
+                curve=str(rng.choice(CURVES)),
             )
         except InputError:  # no light, or a lens that focuses behind itself
             continue
@@ -128,6 +139,15 @@ def _camera(rng: np.random.Generator) -> Camera:
 
 def _sky(rng: np.random.Generator) -> Sky:
     kind = str(rng.choice(SKIES))
+    turned: dict[str, Any] = {
+        "azimuth": float(rng.uniform(-360, 360)),
+        "scale": float(rng.choice([1.0, 10 ** rng.uniform(-6, 6)])),
+    }
+    if kind == "image":
+        return Sky(type=kind, image=_image(rng), **turned)
+    if kind == "studio":
+        boxes = tuple(_box(rng) for _ in range(rng.integers(1, 5)))
+        return Sky(type=kind, radiance=_radiance(rng), spectrum=_spectrum(rng), boxes=boxes, **turned)
     if kind != "zones":
         return Sky(type=kind, radiance=_radiance(rng), spectrum=_spectrum(rng))
     edges = np.unique([_elevation(rng) for _ in range(rng.integers(2, 9))])
@@ -136,6 +156,34 @@ def _sky(rng: np.random.Generator) -> Sky:
         for low, high in pairwise(edges)
     ]
     return Sky(type=kind, zones=tuple(zones))
+
+
+def _image(rng: np.random.Generator) -> str:
+    """Write an image of noise, a few pixels of which are by far brighter, negative or black."""
+    import OpenEXR
+
+    rows = int(rng.choice([8, 9, 64]))
+    pixels = 10 ** rng.uniform(-9, 3, (rows, 2 * rows, 3))
+    pixels[rng.uniform(size=(rows, 2 * rows)) < 0.2] = 0
+    pixels[rng.integers(rows), rng.integers(2 * rows)] = [1e6, 1e-6, 0]
+    pixels[rng.integers(rows), rng.integers(2 * rows)] = -1
+    path = Path(tempfile.gettempdir()) / f"fuzz_setups_{os.getpid()}.exr"
+    planes = {name: np.ascontiguousarray(pixels[..., k], dtype=np.float32) for k, name in enumerate("RGB")}
+    OpenEXR.File({"type": OpenEXR.scanlineimage}, planes).write(str(path))
+    return str(path)
+
+
+def _box(rng: np.random.Generator) -> Box:
+    return Box(
+        shape=str(rng.choice(SHAPES)),
+        elevation=_elevation(rng),
+        azimuth=float(rng.uniform(-360, 360)),
+        size=(float(10 ** rng.uniform(-1, 2.2)), float(10 ** rng.uniform(-1, 2.2))),
+        soft=float(rng.choice([0.0, 90.0, rng.uniform(0, 20)])),
+        gradient=(float(rng.uniform()), float(rng.choice([0.0, 1.0]))),
+        radiance=_radiance(rng),
+        spectrum=_spectrum(rng),
+    )
 
 
 def _colour(rng: np.random.Generator) -> tuple[float, float, float]:

@@ -26,6 +26,7 @@ from gemrender.errors import BackendError
 from gemrender.render.finish import denoised, developed, exposure_of
 from gemrender.render.frames import render_film
 from gemrender.render.photoreal import make_gems, render, require_denoiser
+from gemrender.scene.moves import Move
 from gemrender.scene.setup import load_setup
 from gemrender.stone import Stone
 
@@ -44,8 +45,8 @@ class Shot:
         Material of all.
     dispersion : bool
         Whether the index depends on the wavelength.
-    curve : str
-        Tone curve.
+    curve : str, optional
+        Tone curve; by default the set-up's.
     aspect : float
         Width by height.
     """
@@ -54,7 +55,7 @@ class Shot:
     stones: tuple[str, ...] = ("inoue-3",)
     material: str = "diamond"
     dispersion: bool = True
-    curve: str = "filmic"
+    curve: str | None = None
     aspect: float = 1.0
 
 
@@ -136,8 +137,10 @@ def shown(shot: Shot, size: int, *, samples: int, seed: int, denoise: bool) -> n
     )
     print(f"{picture.samples} samples a pixel, noise {picture.noise:.3f}, {picture.seconds:.0f} s", end="  ")
     if denoise:
-        picture = denoised(picture)
-    return developed(picture, setup, exposure=exposure_of(picture, setup), curve=shot.curve)
+        picture = denoised(picture, clamp=True)
+    curve = shot.curve or setup.curve
+    exposure = exposure_of(picture, setup, curve=curve)
+    return developed(picture, setup, exposure=exposure, curve=curve)
 
 
 def stone_of(name: str) -> Stone:
@@ -165,14 +168,16 @@ def sheet(render_shot: Callable[[Shot, int], np.ndarray], size: int) -> np.ndarr
 def turntable(out: Path, size: int, samples: int, seed: int, denoise: bool) -> None:
     """Render a turn of a stone: a film, and a small moving picture."""
     gems = make_gems([load_stone("inoue-3")], carat=1.0)
+    setup = load_setup("velvet")
     film = render_film(
         out / "turntable.mp4",
         gems,
-        load_setup("velvet"),
+        setup,
         frames=FRAMES,
         fps=FPS,
+        move=Move(),
         ev=0.0,
-        curve="filmic",
+        curve=setup.curve,
         denoise=denoise,
         progress=lambda k: lambda share: None,
         width=size - size % 2,

@@ -1,4 +1,4 @@
-"""Render a picture of a stone from Python: what `gemrender render` does, step by step.
+"""Render a picture of a stone from Python, as `gemrender render` does.
 
 python scripts/render_photoreal.py                             # inoue-3 in the studio -> studio.png
 python scripts/render_photoreal.py tolkowsky --setup velvet --material moissanite --out velvet.png
@@ -8,10 +8,7 @@ from __future__ import annotations
 
 import argparse
 
-from gemrender.cuts import load_stone
-from gemrender.render.finish import exposure_of, write_picture
-from gemrender.render.photoreal import make_gems, render
-from gemrender.scene.setup import load_setup
+import gemrender
 
 
 def main() -> None:
@@ -23,26 +20,26 @@ def main() -> None:
     parser.add_argument("--size", type=int, default=512, help="pixels a side")
     parser.add_argument("--samples", type=int, default=64, help="samples a pixel")
     parser.add_argument("--seed", type=int, default=0, help="seed")
-    parser.add_argument("--out", default="studio.png", help="picture to write: .png or .exr")
+    parser.add_argument("--out", default="studio.png", help="picture to write: .png, .jpg, .webp or .exr")
     arguments = parser.parse_args()
 
-    # A stone, what it is made of and how large it is; several of them stand side by side.
-    gems = make_gems([load_stone(arguments.stone)], material=arguments.material, carat=1.0)
-    setup = load_setup(arguments.setup)
-    picture = render(
-        gems,
-        setup,
-        width=arguments.size,
-        height=arguments.size,
+    def on_pass(so_far: gemrender.Picture, share: float) -> None:
+        """Tell how far it is; a notebook would show the picture so far, and return False to end it."""
+        print(f"\r{100 * share:3.0f} %, noise {so_far.noise:.3f}", end="", flush=True)
+
+    picture = gemrender.render(
+        arguments.stone,
+        arguments.setup,
+        material=arguments.material,
+        carat=1.0,
+        size=arguments.size,
         spp=arguments.samples,
         seed=arguments.seed,
-        progress=lambda share: print(f"\r{100 * share:3.0f} %", end="", flush=True),
+        on_pass=on_pass,
     )
-    print(f"\r{picture.samples} samples a pixel, noise {picture.noise:.3f}, {picture.seconds:.1f} s")
-
     # Linear values are in picture.xyz; a PNG has an exposure and a curve.
-    exposure = exposure_of(picture, setup)
-    print("written:", write_picture(arguments.out, picture, setup, exposure=exposure, curve="filmic"))
+    print(f"\n{picture}, {picture.seconds:.1f} s, exposure {picture.exposure:.3g}")
+    print("written:", picture.save(arguments.out))
 
 
 if __name__ == "__main__":

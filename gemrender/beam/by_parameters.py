@@ -6,7 +6,7 @@ followed as for round brilliants (`slopes`).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import fields
 from typing import NamedTuple
 
@@ -14,12 +14,12 @@ import numpy as np
 
 from gemrender.beam.budget import Budget
 from gemrender.beam.compiled import STEP
-from gemrender.beam.derivatives import Sensitivity, derivative, facet_sides, result, score_slopes
-from gemrender.beam.facets import trace_facets
-from gemrender.beam.slopes import has_room, refuse_left_over, slopes_within
+from gemrender.beam.derivatives import Sensitivity, derivative, result
+from gemrender.beam.slopes import exact_slopes, has_room, slopes_within
 from gemrender.beam.solid import beam_stone
 from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.parameters import unit_of
+from gemrender.measures.measure import Measure
 from gemrender.measures.tally import Tally
 from gemrender.stone import Stone
 
@@ -90,6 +90,7 @@ def by_parameters(
     stone: Stone,
     cut: Family,
     tally: Tally,
+    over_views: Sequence[Measure],
     wanted: float,
     seed: int,
     budget: Budget,
@@ -104,35 +105,18 @@ def by_parameters(
         base, slopes = slopes_within(
             stone,
             [(change.planes(cut), change.moved) for change in changes],
-            tally, wanted, seed, budget, progress,
+            tally, wanted, seed, budget, progress, over_views,
         )  # fmt: skip
         scores, girdle = base.scores().mean(axis=0), base.girdle
     else:
-        scores, slopes = _exact(stone, cut, changes, tally, budget, progress)
+        moving = [(change.planes(cut), 1.0) for change in changes]
+        scores, slopes = exact_slopes(
+            beam_stone(stone), moving, tally, wanted, seed, budget, progress, over_views, whole=False
+        )  # fmt: skip
         girdle = 0.0
+    measures = [*tally.measures, *over_views]
     derivatives = [
-        derivative(change.parameter, change.kept, unit_of(cut, change.parameter), tally, slope)
+        derivative(change.parameter, change.kept, unit_of(cut, change.parameter), measures, slope)
         for change, slope in zip(changes, slopes, strict=True)
     ]
     return result(stone, tally, scores, derivatives, girdle, start)
-
-
-def _exact(
-    stone: Stone,
-    cut: Family,
-    changes: list[Change],
-    tally: Tally,
-    budget: Budget,
-    progress: Callable[[float], None] | None,
-) -> tuple[np.ndarray, list[np.ndarray]]:
-    """Return the values, (2 + n,), and their derivatives by each change, (1 or 2, 1, 2 + n)."""
-    convex, view, model = beam_stone(stone), tally.view, tally.model
-    refuse_left_over(trace_facets(convex, view=view, model=model, whole=False, budget=budget), stone)
-    scores, slopes = np.zeros(2), []
-    for done, change in enumerate(changes, start=1):
-        sides = facet_sides(convex, change.planes(cut), tally, whole=not tally.is_axial)
-        scores, slope = score_slopes(tally, sides)
-        slopes.append(slope)
-        if progress is not None:
-            progress(done / len(changes))
-    return scores, slopes

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from functools import partial
 
@@ -16,10 +16,11 @@ from gemrender.beam.slopes import slopes_within
 from gemrender.cuts.round_brilliant import RoundBrilliant
 from gemrender.cuts.round_brilliant.planes import facet_planes
 from gemrender.cuts.round_brilliant.proportions import brilliant_vertices
+from gemrender.measures.measure import Measure
 from gemrender.measures.tally import Tally
 from gemrender.stone import Stone
 
-__all__ = ["PROPORTIONS", "by_proportions", "proportion_planes"]
+__all__ = ["PROPORTIONS", "by_angles", "by_proportions", "proportion_planes"]
 
 #: The proportions that a stone is differentiated by, as `RoundBrilliant` names them.
 PROPORTIONS = (
@@ -37,6 +38,7 @@ def proportion_planes(proportions: RoundBrilliant, parameter: str) -> np.ndarray
 def by_proportions(
     stone: Stone,
     tally: Tally,
+    over_views: Sequence[Measure],
     wanted: float,
     seed: int,
     budget: Budget,
@@ -49,8 +51,9 @@ def by_proportions(
     changes = [
         (proportion_planes(proportions, parameter), partial(_moved, parameter)) for parameter in PROPORTIONS
     ]
-    base, found = slopes_within(stone, changes, tally, wanted, seed, budget, progress)
-    derivatives = _derivatives(proportions, tally, dict(zip(PROPORTIONS, found, strict=True)))
+    base, found = slopes_within(stone, changes, tally, wanted, seed, budget, progress, over_views)
+    measures = [*tally.measures, *over_views]
+    derivatives = _derivatives(proportions, measures, dict(zip(PROPORTIONS, found, strict=True)))
     return result(stone, tally, base.values().mean(axis=0), derivatives, base.girdle, start)
 
 
@@ -62,21 +65,25 @@ def _moved(parameter: str, stone: Stone, by: float) -> Stone:
 
 
 def _derivatives(
-    proportions: RoundBrilliant, tally: Tally, slopes: dict[str, np.ndarray]
+    proportions: RoundBrilliant, measures: Sequence[Measure], slopes: dict[str, np.ndarray]
 ) -> list[Derivative]:
-    """Put the derivatives together; those by angles follow from those by heights (the chain rule).
+    """Put the derivatives together; those by angles follow from those by heights (the chain rule)."""
+    rows = [(name, "proportions", "%", slope) for name, slope in slopes.items()]
+    for name, (unit, chain) in by_angles(proportions).items():
+        rows.append((name, "angles", unit, np.sum([by * slopes[of] for of, by in chain.items()], axis=0)))
+    return [derivative(name, kept, unit, measures, slope) for name, kept, unit, slope in rows]
+
+
+def by_angles(proportions: RoundBrilliant) -> dict[str, tuple[str, dict[str, float]]]:
+    """Return what a laboratory report prints: of each its unit, and the derivatives of proportions by it.
 
     crown height = (100 - table) / 2 tan(crown angle), pavilion depth = 50 tan(pavilion angle).
     """
     crown, pavilion = (math.radians(a) for a in (proportions.crown_angle_deg, proportions.pavilion_angle_deg))
-    by_crown, by_pavilion = slopes["crown_height"], slopes["pavilion_depth"]
-    degree = math.radians(1.0)
-    angles = {
-        "table": ("%", slopes["table"] - 0.5 * math.tan(crown) * by_crown),
-        "crown_angle": ("deg", degree * (100.0 - proportions.table) / 2 / math.cos(crown) ** 2 * by_crown),
-        "pavilion_angle": ("deg", degree * 50.0 / math.cos(pavilion) ** 2 * by_pavilion),
-        "lower_half": ("%", -slopes["lower_girdle_contact"]),
+    degree, half = math.radians(1.0), (100.0 - proportions.table) / 2
+    return {
+        "table": ("%", {"table": 1.0, "crown_height": -0.5 * math.tan(crown)}),
+        "crown_angle": ("deg", {"crown_height": degree * half / math.cos(crown) ** 2}),
+        "pavilion_angle": ("deg", {"pavilion_depth": degree * 50.0 / math.cos(pavilion) ** 2}),
+        "lower_half": ("%", {"lower_girdle_contact": -1.0}),
     }
-    rows = [(name, "proportions", "%", slope) for name, slope in slopes.items()]
-    rows += [(name, "angles", unit, slope) for name, (unit, slope) in angles.items()]
-    return [derivative(name, kept, unit, tally, slope) for name, kept, unit, slope in rows]

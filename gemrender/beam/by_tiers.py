@@ -2,22 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import contextlib
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from gemrender.beam.budget import Budget
 from gemrender.beam.compiled import STEP
-from gemrender.beam.derivatives import Sensitivity, derivative, facet_sides, result, score_slopes
-from gemrender.beam.facets import trace_facets
+from gemrender.beam.derivatives import Sensitivity, derivative, result
+from gemrender.beam.slopes import exact_slopes
 from gemrender.beam.solid import beam_stone
 from gemrender.cuts.design import Design
+from gemrender.cuts.meets import changeable
+from gemrender.cuts.turning import Quantity, parameter_name, tier_parameters, values_of, with_tiers
 from gemrender.errors import InputError
+from gemrender.measures.measure import Measure
 from gemrender.measures.tally import Tally
 from gemrender.stone import Stone
 
-__all__ = ["by_tiers", "design_unit", "tier_parameters", "tier_planes"]
+__all__ = ["KEPT_BY_WAY", "by_tiers", "design_unit", "parameters_of_stone", "tier_planes"]
+
+#: What `Derivative.kept` says where meets are free, loose and kept.
+KEPT_BY_WAY = {"free": "tiers", "loose": "middles", "kept": "meets"}
+
+#: Facets that meet are moved apart by this, at random [stone's unit]: far beyond rounding, which else makes
+#: edges of no length of them that point anywhere; slopes change by 1e-9 of themselves.
+_APART = 1e-12
 
 
 def tier_planes(stone: Stone, design: Design, tier: int, quantity: str) -> np.ndarray:
@@ -39,63 +50,81 @@ def tier_planes(stone: Stone, design: Design, tier: int, quantity: str) -> np.nd
     The frame stays where it is: scores do not depend on it.
     """
     value = complex(getattr(design.tiers[tier], quantity), STEP)
-    moved = _facet_planes(stone, design.with_tier(tier, **{quantity: value}))
-    origin, unit = _frame(stone, moved.real)
-    return np.column_stack([moved[:, :3], (moved[:, 3] - moved[:, :3] @ origin) / unit])
+    return _in_stone(stone, design.with_tier(tier, **{quantity: value}))
 
 
 def by_tiers(
     stone: Stone,
     design: Design,
     tally: Tally,
+    over_views: Sequence[Measure],
+    wanted: float,
+    seed: int,
     budget: Budget,
     progress: Callable[[float], None] | None,
     start: float,
+    meets: str = "free",
 ) -> Sensitivity:
-    """Differentiate by angle and distance of each tier that has facets on the stone."""
+    """Differentiate by angle and distance of each tier that has facets on the stone.
+
+    With meets "kept" or "loose" (`gemrender.cuts.meets.WAYS`) other tiers follow, or the tier's own distance
+    its angle. What cannot be changed with meets kept is left out.
+    """
     if tally.model.rear == "position":
         # The same, where the girdle's lower edge is level; it does not stay so when one tier moves.
         tally = tally.of_model(replace(tally.model, rear="facet"))
-    convex, view, model = beam_stone(stone), tally.view, tally.model
-    facets = trace_facets(convex, view=view, model=model, budget=budget)
-    if facets.left_over:
-        raise InputError(
-            f"falls into more virtual facets than can be differentiated: {facets.why_left_over}",
-            source=stone.source or stone.name,
+    ways = changeable(design, meets)
+    if ways.design is not design:  # its meets were closed
+        design = ways.design
+        stone = design.stone(
+            name=stone.name, material=stone.material, source=stone.source, size_mm=stone.size_mm
         )
-    parameters = tier_parameters(stone, design)
-    names, unit = design.tier_names(), design_unit(stone, design)
-    derivatives, scores = [], np.zeros(2)
-    for done, (tier, quantity) in enumerate(parameters, start=1):
-        planes = tier_planes(stone, design, tier, quantity)
-        scores, slopes = score_slopes(tally, facet_sides(convex, planes, tally, whole=True))
-        is_angle = quantity == "angle_deg"
-        if not is_angle:  # a distance counts in per cent of the stone's unit
-            slopes *= 0.01 * unit
-        name = f"{names[tier]} {'angle' if is_angle else 'distance'}"
-        derivatives.append(derivative(name, "tiers", "deg" if is_angle else "%", tally, slopes))
-        if progress is not None:
-            progress(done / len(parameters))
+    unit = design_unit(stone, design)
+    angles, distances = values_of(design)
+    apart = _APART * np.random.default_rng(1).uniform(-1.0, 1.0, len(stone.facets))
+    names, changes = [], []
+    for tier, quantity in parameters_of_stone(stone, design):
+        with contextlib.suppress(InputError):
+            by_angle, by_distance = ways.slopes(tier, quantity)
+            moving = with_tiers(
+                design,
+                (angles + 1j * STEP * by_angle).tolist(),
+                (distances + 1j * STEP * by_distance).tolist(),
+            )
+            planes = _in_stone(stone, moving)
+            if meets == "kept":
+                planes[:, 3] += apart
+            is_angle = quantity == "angle_deg"
+            # A distance counts in per cent of the stone's unit.
+            changes.append((planes, 1.0 if is_angle else 0.01 * unit))
+            names.append((parameter_name(design, tier, quantity), "deg" if is_angle else "%"))
+    scores, slopes = exact_slopes(
+        beam_stone(stone), changes, tally, wanted, seed, budget, progress, over_views, whole=True
+    )  # fmt: skip
+    measures = [*tally.measures, *over_views]
+    derivatives = [
+        derivative(name, KEPT_BY_WAY[meets], of, measures, slope)
+        for (name, of), slope in zip(names, slopes, strict=True)
+    ]
     return result(stone, tally, scores, derivatives, 0.0, start)
 
 
-def tier_parameters(stone: Stone, design: Design) -> list[tuple[int, str]]:
+def parameters_of_stone(stone: Stone, design: Design) -> list[tuple[int, Quantity]]:
     """Return tiers with facets on the stone, and "angle_deg" or "distance": what can be changed of each."""
     number = {name: k for k, name in enumerate(design.facet_names())}
-    of_tier = design.facet_tiers
-    tiers = sorted({int(of_tier[number[facet.name]]) for facet in stone.facets})
-    parameters = []
-    for tier in tiers:
-        angle = abs(complex(design.tiers[tier].angle_deg).real)
-        if 0.0 < angle < 90.0:  # tables and girdle facets are level, or stand upright
-            parameters.append((tier, "angle_deg"))
-        parameters.append((tier, "distance"))
-    return parameters
+    return tier_parameters(design, (number[facet.name] for facet in stone.facets))
 
 
 def design_unit(stone: Stone, design: Design) -> float:
     """Return the stone's unit of length in that of its design."""
     return _frame(stone, _facet_planes(stone, design))[1]
+
+
+def _in_stone(stone: Stone, design: Design) -> np.ndarray:
+    """Return a design's planes of the stone's facets in the stone's frame, (p, 4); complex as they are."""
+    moved = _facet_planes(stone, design)
+    origin, unit = _frame(stone, moved.real)
+    return np.column_stack([moved[:, :3], (moved[:, 3] - moved[:, :3] @ origin) / unit])
 
 
 def _facet_planes(stone: Stone, design: Design) -> np.ndarray:

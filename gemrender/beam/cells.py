@@ -26,8 +26,9 @@ from gemrender.beam.rays import (
     empty_rays,
 )
 from gemrender.optics.fresnel import transmittance
+from gemrender.paths import Paths
 
-__all__ = ["Cells", "cell_rays", "cell_starts"]
+__all__ = ["Cells", "cell_rays", "cell_starts", "fans", "spread", "starts_of", "triangle_areas"]
 
 
 class Cells:
@@ -52,24 +53,19 @@ class Cells:
     def __init__(self, facets: VirtualFacets, *, of_principal: bool) -> None:
         is_chosen = (facets.paths.partial_reflections == 0) == of_principal
         cells = np.flatnonzero((facets.status == FacetStatus.GIRDLE) & is_chosen)
-        first, number = facets.starts[cells], (facets.ends - facets.starts)[cells] - 2
-        # Of each cell a fan of triangles about its first corner.
-        self._cell = np.repeat(np.arange(len(cells)), number)
-        apex = np.repeat(first, number)
-        second = apex + 1 + np.arange(len(apex)) - np.repeat(np.cumsum(number) - number, number)
-        self._triangles = facets.corners[np.stack([apex, second, second + 1], axis=1)]
-        a, b = (self._triangles[:, k] - self._triangles[:, 0] for k in (1, 2))
+        self._cell, corners = fans(facets.starts[cells], facets.ends[cells])
+        self._triangles = facets.corners[corners]
         # Every ray of light that has been reflected in part has the same share of the light at the eye, so
         # that all shares together make just what there is.
         self._weights = facets.paths.weight[cells]
         if not of_principal:
             self._weights *= transmittance(facets.paths.cos_entry[cells], facets.model.index)
-        areas = 0.5 * np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+        areas = np.abs(triangle_areas(self._triangles))
         self._upto = np.cumsum(areas * self._weights[self._cell])
         self.area = float(self._upto[-1]) if len(self._upto) else 0.0
         self.largest = self.area  # all rays are alike
         self._maps = facets.exit_map[cells]
-        self._starts = cell_starts(facets, cells)
+        self._starts = starts_of(facets, cells)
 
     def rays(self, unit: np.ndarray, random: np.ndarray) -> tuple[Rays, np.ndarray, np.ndarray]:
         """Spread rays over them, of each area as many as its share of the light says.
@@ -91,7 +87,7 @@ class Cells:
             The point of the unit square that each was made from.
         """
         rays, cell = empty_rays(len(unit), random), np.empty(len(unit), np.int64)
-        _spread(unit, self._upto, self._triangles, self._cell, self._maps, self._starts, rays, cell)
+        spread(unit, self._upto, self._triangles, self._cell, self._maps, self._starts, rays, cell)
         return rays, self.area / self._weights[cell], np.arange(len(unit))
 
 
@@ -116,26 +112,59 @@ def cell_rays(
     return rays
 
 
-def cell_starts(facets: VirtualFacets, cells: np.ndarray) -> Rays:
+def starts_of(facets: VirtualFacets, cells: np.ndarray) -> Rays:
     """Return the ray of each of some girdle cells (k,), but for its place."""
-    paths, unfolding = facets.paths, facets.unfolding
-    has_all = unfolding is not None
-    rays = empty_rays(len(cells), np.ones(len(cells), np.uint64) if has_all else None)
-    numbers, facts, n = rays.numbers, rays.facts, len(cells)
-    numbers[DIRECTION:COS_ENTRY, :n] = paths.exit_direction[cells].T
-    numbers[COS_ENTRY, :n] = paths.cos_entry[cells]
+    unfolding = None if facets.unfolding is None else facets.unfolding[facets.node[cells]]
+    return cell_starts(facets.paths.rows(cells), unfolding)
+
+
+def cell_starts(paths: Paths, unfolding: np.ndarray | None) -> Rays:
+    """Return the ray of each of some girdle cells, but for its place.
+
+    Parameters
+    ----------
+    paths : Paths
+        The paths of k cells.
+    unfolding : (k, 3, 3) float64 or None
+        Where all light is followed, what mirrors a direction back through the reflections of each.
+    """
+    n = len(paths)
+    rays = empty_rays(n, None if unfolding is None else np.ones(n, np.uint64))
+    numbers, facts = rays.numbers, rays.facts
+    numbers[DIRECTION:COS_ENTRY, :n] = paths.exit_direction.T
+    numbers[COS_ENTRY, :n] = paths.cos_entry
     facts[STATUS, :n], facts[EXIT, :n] = INSIDE, -1
-    facts[REFLECTIONS, :n], facts[PARTIAL, :n] = paths.reflections[cells], paths.partial_reflections[cells]
-    facts[ENTRY, :n] = paths.entry_facet[cells]
+    facts[REFLECTIONS, :n], facts[PARTIAL, :n] = paths.reflections, paths.partial_reflections
+    facts[ENTRY, :n] = paths.entry_facet
     if unfolding is not None and paths.entry_normal is not None:
-        numbers[WEIGHT, :n], numbers[FACTOR, :n] = paths.weight[cells], 1.0
-        numbers[NORMAL:UNFOLD, :n] = paths.entry_normal[cells].T
-        numbers[UNFOLD:, :n] = unfolding[facets.node[cells]].reshape(n, 9).T
+        numbers[WEIGHT, :n], numbers[FACTOR, :n] = paths.weight, 1.0
+        numbers[NORMAL:UNFOLD, :n] = paths.entry_normal.T
+        numbers[UNFOLD:, :n] = unfolding.reshape(n, 9).T
     return rays
 
 
+def fans(starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Cut polygons, whose corners begin and end at (k,), into fans of triangles about their first corners.
+
+    Returns
+    -------
+    (t,) int64, (t, 3) int64
+        The polygon of each triangle, and its corners.
+    """
+    number = ends - starts - 2
+    apex = np.repeat(starts, number)
+    second = apex + 1 + np.arange(len(apex)) - np.repeat(np.cumsum(number) - number, number)
+    return np.repeat(np.arange(len(starts)), number), np.stack([apex, second, second + 1], axis=1)
+
+
+def triangle_areas(triangles: np.ndarray) -> np.ndarray:
+    """Return the areas of triangles (t, 3, 2), (t,), those of clockwise ones negative."""
+    a, b = (triangles[:, k] - triangles[:, 0] for k in (1, 2))
+    return np.asarray(0.5 * (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]))
+
+
 @jit
-def _spread(
+def spread(
     unit: Any, upto: Any, triangles: Any, cell: Any, maps: Any, starts: Any, rays: Any, of: Any
 ) -> None:  # fmt: skip
     """Put rays into triangles, and write the cell of each."""

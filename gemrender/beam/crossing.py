@@ -44,8 +44,8 @@ def into_air(
 
 
 @jit
-def reflected_share(cos_air: Any, cos_stone: Any, index: float) -> float:
+def reflected_share(cos_air: Any, cos_stone: Any, index: float) -> Any:
     """Return the reflectance for unpolarised light: `gemrender.optics.fresnel.reflectance`."""
-    a, b = real(cos_air), real(cos_stone)
+    a, b = cos_air, cos_stone
     s, p = (a - index * b) / (a + index * b), (index * a - b) / (index * a + b)
-    return float(0.5 * (s * s + p * p))
+    return 0.5 * (s * s + p * p)

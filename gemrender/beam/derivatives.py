@@ -1,23 +1,19 @@
-"""What derivatives of scores are, and the sums over virtual facets that they are made of."""
+"""What derivatives of scores are, and how they are put together."""
 
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 import numpy as np
 
-from gemrender.beam.budget import no_limits
 from gemrender.beam.compiled import STEP
-from gemrender.beam.facets import kernel_rules, polygon_paths
-from gemrender.beam.polygons import Traced, trace_polygons
-from gemrender.beam.solid import NO_WEDGE, BeamStone
-from gemrender.beam.unfold import unfolding
 from gemrender.measures import inoue
-from gemrender.measures.evaluate import area_sums, contributions, light_of
+from gemrender.measures.measure import Measure
 from gemrender.measures.tally import REST, Tally, bounds_of_sets
-from gemrender.observation import LIGHT_LEVEL, Model, RayStatus, View
+from gemrender.observation import LIGHT_LEVEL
 from gemrender.stone import Stone
 
 __all__ = [
@@ -25,18 +21,10 @@ __all__ = [
     "Sensitivity",
     "ValueSlope",
     "derivative",
-    "facet_sides",
-    "facet_totals",
     "result",
     "score_slopes",
     "smooth_values",
 ]
-
-
-#: How far aside derivatives are taken where they jump [% or deg]: far beyond rounding; 0 is where they are.
-_ASIDE = (0.0, 1e-8, 1e-7)
-#: Sums of derivatives of areas agree to rounding but for such a share of them.
-_BALANCE = 1e-7
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -147,95 +135,6 @@ class Sensitivity:
         return out | {"derivatives": [of.to_dict() for of in self.derivatives]}
 
 
-def facet_totals(
-    convex: BeamStone,
-    planes: np.ndarray,
-    *,
-    view: View | None = None,
-    model: Model | None = None,
-    whole: bool = False,
-    tally: Tally | None = None,
-) -> np.ndarray:
-    """Sum up the virtual facets of a stone with these planes in place of its own.
-
-    Parameters
-    ----------
-    convex : BeamStone
-        The stone.
-    planes : (p, 4) float64 or complex128
-        Planes; with `compiled.STEP` times their derivatives as imaginary parts, the sums have theirs.
-    view, model
-        As for `measure`.
-    whole : bool
-        Whether to sum up the whole view of a symmetric stone, too: where the planes do not move alike.
-    tally : Tally, optional
-        Further measures, with values that can be differentiated (`Measure.smooth_keys`).
-
-    Returns
-    -------
-    (4 + k,) array like `planes`
-        Area times intensity (0 to 1), area of rear light, area of all virtual facets, and area of the girdle
-        cells [stone's unit^2]; of a symmetric stone seen from straight above, of a part of the view. Then the
-        sums of all channels of the tally's measures.
-    """
-    view = view or View(resolution=1)
-    tally = tally or Tally(view, model or Model.of(convex.stone))
-    return _totals(convex, planes, tally, whole)[0]
-
-
-def _totals(convex: BeamStone, planes: np.ndarray, tally: Tally, whole: bool) -> tuple[np.ndarray, bool]:
-    """Return what `facet_totals` does, and whether virtual facets and view grow alike."""
-    view, model, measures = tally.view, tally.model, tally.measures
-    wedge = NO_WEDGE if whole else convex.wedge(view)
-    values = np.ascontiguousarray(planes.real)
-    solid = convex.solid._replace(planes=planes, values=values, columns=np.ascontiguousarray(values.T))
-    traced = trace_polygons(solid, view.basis(), wedge, kernel_rules(model), no_limits())
-    unfolded = unfolding(traced.nodes, planes) if any(of.needs_normals for of in measures) else None
-    paths = polygon_paths(traced, planes, convex.facet, view, convex.stone, unfolded)
-    rear, near = inoue.rear_mask(paths, model), paths.status == RayStatus.MISSED
-    intensity = inoue.primary_intensity(paths, model, rear)
-    areas = paths.area
-    sums = [np.array([areas @ intensity, areas[rear].sum(), areas[~near].sum(), areas[near].sum()])]
-    if measures:
-        light = tally.light(paths)
-        of_each = ((of, light_of(of, light)) for of in measures)
-        sums += [area_sums(lit.paths, contributions(of, lit)) for of, lit in of_each]
-    return np.concatenate(sums), _is_balanced(traced)
-
-
-def _is_balanced(traced: Traced) -> bool:
-    """Tell whether the areas of virtual facets together have the derivative of the view's."""
-    grows, facets = 0.0, traced.areas.imag
-    for start, end in zip(np.append(0, traced.outline_ends[:-1]), traced.outline_ends, strict=True):
-        x, y = traced.outlines[start:end].T
-        grows += 0.5 * float((x * np.roll(y, -1) - y * np.roll(x, -1)).imag.sum())
-    return abs(float(facets.sum()) - grows) <= _BALANCE * float(np.abs(facets).sum())
-
-
-def facet_sides(convex: BeamStone, planes: np.ndarray, tally: Tally, *, whole: bool = False) -> np.ndarray:
-    """Sum up virtual facets as `facet_totals`, where their derivatives jump on both sides of the jump.
-
-    Parameters
-    ----------
-    convex, planes, tally, whole
-        As for `facet_totals`; planes (p, 4) complex128.
-
-    Returns
-    -------
-    (1 or 2, 4 + k) complex128
-        One row; or two, a little below and above, where virtual facets of no width open: by that their areas
-        and those of the view do not grow alike.
-    """
-    for by in _ASIDE:
-        sides = [
-            _totals(convex, planes + side * planes.imag / STEP, tally, whole)
-            for side in ((-by, by) if by else (0.0,))
-        ]
-        if all(is_balanced for _, is_balanced in sides):
-            break
-    return np.array([totals for totals, _ in sides])
-
-
 def smooth_values(tally: Tally, area: np.ndarray, channels: np.ndarray) -> np.ndarray:
     """Return the values that can be differentiated, measure by measure, (..., n).
 
@@ -258,29 +157,37 @@ def smooth_values(tally: Tally, area: np.ndarray, channels: np.ndarray) -> np.nd
 
 
 def score_slopes(tally: Tally, totals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return Average, Rear and values of measures, (2 + n,), and their derivatives, (1 or 2, 1, 2 + n).
+    """Return Average, Rear and values of measures, (2 + n,), and their derivatives.
 
     Parameters
     ----------
     tally : Tally
         The measures.
-    totals : (1 or 2, 4 + k) complex128
-        What `facet_sides` returns, of a stone that is nothing but polygons.
+    totals : (1 or 2, SETS or 1, 4 + k) complex128
+        What `gemrender.beam.totals.side_sums` returns, of a stone whose principal light is nothing but
+        polygons.
+
+    Returns
+    -------
+    (2 + n,) float64, (1 or 2, SETS or 1, 2 + n) float64
+        Values, and derivatives of both sides by each set of rays.
     """
-    scores = LIGHT_LEVEL * (totals[:, :2] / totals[:, 2:3])
-    both = np.hstack([scores, smooth_values(tally, totals[:, 2], totals[:, 4:])])
-    return both[0].real, both.imag[:, None] / STEP
+    scores = LIGHT_LEVEL * (totals[..., :2] / totals[..., 2:3])
+    both = np.concatenate([scores, smooth_values(tally, totals[..., 2], totals[..., 4:])], axis=-1)
+    return both[0].mean(axis=0).real, both.imag / STEP
 
 
-def derivative(parameter: str, kept: str, unit: str, tally: Tally, slopes: np.ndarray) -> Derivative:
+def derivative(
+    parameter: str, kept: str, unit: str, measures: Sequence[Measure], slopes: np.ndarray
+) -> Derivative:
     """Put together the derivatives by a parameter.
 
     Parameters
     ----------
     parameter, kept, unit
         As in `Derivative`.
-    tally : Tally
-        The measures.
+    measures : sequence of Measure
+        The measures, in the order of their values.
     slopes : (1 or 2, SETS or 1, 2 + n) float64
         Derivatives of Average, Rear and the values of measures, where they differ on both sides, by each set
         of rays; one of what is exact.
@@ -289,7 +196,7 @@ def derivative(parameter: str, kept: str, unit: str, tally: Tally, slopes: np.nd
     means = sets.mean(axis=0).tolist()
     scatter = bounds_of_sets(sets) if len(sets) > 1 else 0.0
     bounds = (scatter + 0.5 * np.abs(sides[-1] - sides[0])).tolist()
-    names = [(of.name, key, of.unit) for of in tally.measures for key in of.smooth_keys]
+    names = [(of.name, key, of.unit) for of in measures for key in of.smooth_keys]
     return Derivative(
         parameter=parameter, kept=kept, unit=unit,
         average=means[0], rear=means[1], average_bound=bounds[0], rear_bound=bounds[1],

@@ -158,7 +158,7 @@ class VirtualFacets:
         return np.asarray(np.where(number == 2, 1, self.parts >> number))
 
 
-def kernel_rules(model: Model, least: float = 0.0) -> Rules:
+def kernel_rules(model: Model, least: float = 0.0, walls_move: bool = True) -> Rules:
     """Return what the kernels need of the model; all light is followed down to a least share of the view."""
     return Rules(
         refractive_index=float(model.index),
@@ -167,6 +167,7 @@ def kernel_rules(model: Model, least: float = 0.0) -> Rules:
         ground=float(model.ground),
         follows_all=least > 0.0,
         least=float(least),
+        walls_move=walls_move,
     )
 
 

@@ -41,11 +41,11 @@ from gemrender.observation import MeasureValues, Model, View
 from gemrender.stone.facets import CROWN
 from gemrender.stone.mesh import tessellate
 
-__all__ = ["measure_hemisphere"]
+__all__ = ["HEMISPHERE_STEPS", "Crown", "measure_hemisphere", "sector_of"]
 
-#: The positive root of x^5 = x + 1.
+#: The positive root of x^5 = x + 1; Roberts' R4 sequence is multiples of its reciprocals.
 _ROOT = 1.1673039782614187
-_STEPS = _ROOT ** -np.arange(1.0, 5.0)
+HEMISPHERE_STEPS = _ROOT ** -np.arange(1.0, 5.0)
 #: Level facets that a round girdle is cut into: enough for the crown's area to 1e-5.
 _PIECES = 256
 #: Rays of a set at first, at a time, and at the most.
@@ -86,14 +86,14 @@ def measure_hemisphere(
     InputError
         The stone has no crown.
     """
-    crown = _Crown(convex)
+    crown = Crown.of(convex)
     tally = Tally(View(resolution=1), model, measures)
     random = np.random.default_rng(seed)
     shifts = random.random((SETS, 4))
     total, done, wanted = np.zeros((SETS, tally.n_sums)), 0, _FIRST
     while True:
         last = min(done + _BLOCK, wanted)
-        unit = next_points(shifts, _STEPS, done, last)
+        unit = next_points(shifts, HEMISPHERE_STEPS, done, last)
         states = random.integers(1, 1 << 63, unit.shape[:2], dtype=np.uint64)
 
         def some_sets(part: slice, unit: np.ndarray = unit, states: np.ndarray = states) -> np.ndarray:
@@ -128,28 +128,61 @@ def measure_hemisphere(
     )
 
 
-class _Crown:
-    """The crown's facets, each cut into triangles, and rays that fall on them."""
+class Crown:
+    """The crown's facets, each cut into triangles, and rays that fall on them.
 
-    def __init__(self, convex: BeamStone) -> None:
+    Parameters
+    ----------
+    corners : (t, 3, 3) float64
+        Corners of the triangles, those of each plane one after the other.
+    ends : (p,) int64
+        Where the triangles of each plane end.
+    normals : (p, 3) float64
+        Outward unit normals of the planes.
+    facet : (p,) int64
+        The facet that each belongs to.
+    sector : (float, float)
+        First azimuth and width of the directions that tell all of the hemisphere [rad].
+    """
+
+    def __init__(
+        self,
+        corners: np.ndarray,
+        ends: np.ndarray,
+        normals: np.ndarray,
+        facet: np.ndarray,
+        sector: tuple[float, float],
+    ) -> None:
+        self._corners, self._ends, self._normals, self._facet = corners, ends, normals, facet
+        a, b = (corners[:, k] - corners[:, 0] for k in (1, 2))
+        self._areas = 0.5 * np.linalg.norm(np.cross(a, b), axis=1)
+        upto = np.append(0.0, np.cumsum(self._areas))[np.append(0, ends)]
+        self._plane_areas = np.diff(upto)
+        self._sector = sector
+
+    @staticmethod
+    def of(convex: BeamStone) -> Crown:
+        """Return the crown of a stone.
+
+        Raises
+        ------
+        InputError
+            It has none.
+        """
         mesh = tessellate(convex.stone, _PIECES)
         is_crown = np.array([side == CROWN for side in convex.stone.facet_sides])[mesh.face_facet]
         faces = np.flatnonzero(is_crown)
         faces = faces[np.argsort(mesh.face_patch[faces], kind="stable")]
         if not len(faces):
             raise InputError("has no crown, which light could fall on", source=convex.stone.name)
-        self._corners = mesh.vertices[mesh.faces[faces]]
-        a, b = (self._corners[:, k] - self._corners[:, 0] for k in (1, 2))
-        self._areas = 0.5 * np.linalg.norm(np.cross(a, b), axis=1)
-        # Of each plane where its triangles end, and their area; normal and facet.
         _, first = np.unique(mesh.face_patch[faces], return_index=True)
-        self._ends = np.append(first[1:], len(faces))
-        self._plane_areas = np.add.reduceat(self._areas, first)
-        self._normals, self._facet = mesh.face_normals[faces[first]], mesh.face_facet[faces[first]]
-        symmetry = convex.stone.symmetry
-        self._sector = (0.0, 2 * np.pi / symmetry.fold)
-        if len(symmetry.mirrors):
-            self._sector = (float(symmetry.mirrors[0]), np.pi / symmetry.fold)
+        return Crown(
+            mesh.vertices[mesh.faces[faces]],
+            np.append(first[1:], len(faces)),
+            mesh.face_normals[faces[first]],
+            mesh.face_facet[faces[first]],
+            sector_of(convex),
+        )
 
     def rays(self, unit: np.ndarray, random: np.ndarray, index: float) -> tuple[Rays, np.ndarray]:
         """Let rays in: directions even over the hemisphere, or a sector that tells all of it.
@@ -180,12 +213,20 @@ class _Crown:
         return rays, areas
 
 
+def sector_of(convex: BeamStone) -> tuple[float, float]:
+    """Return first azimuth and width of the directions that tell all of the hemisphere [rad]."""
+    symmetry = convex.stone.symmetry
+    if len(symmetry.mirrors):
+        return float(symmetry.mirrors[0]), np.pi / symmetry.fold
+    return 0.0, 2 * np.pi / symmetry.fold
+
+
 @jit_with_arrays
 def _fall(
     unit: Any, corners: Any, triangle_areas: Any, ends: Any, plane_areas: Any, normals: Any, facet: Any,
     first: float, width: float, index: float, rays: Any, areas: Any,
 ) -> None:  # fmt: skip
-    """Refract rays into the crown (`_Crown.rays`)."""
+    """Refract rays into the crown (`Crown.rays`)."""
     numbers, facts, seen = rays.numbers, rays.facts, np.empty(len(normals))
     for i in range(len(unit)):
         z, azimuth = 1.0 - unit[i, 0], first + width * unit[i, 1]

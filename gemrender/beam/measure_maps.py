@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from gemrender.beam.budget import Budget
-from gemrender.beam.cells import cell_rays, cell_starts
+from gemrender.beam.cells import cell_rays, starts_of
 from gemrender.beam.compiled import jit
 from gemrender.beam.facets import FacetStatus, VirtualFacets, trace_facets
 from gemrender.beam.rays import Rays, empty_rays, enter_rays, follow_rays, ray_paths
@@ -125,7 +125,7 @@ class _Blocks:
         self._cell = np.full(len(paths), -1)
         self._cell[cells] = np.arange(len(cells))
         of_cells = self._shown[cells]
-        self._maps, self._starts = facets.exit_map[of_cells], cell_starts(facets, of_cells)
+        self._maps, self._starts = facets.exit_map[of_cells], starts_of(facets, of_cells)
         # Share of a pixel's light that each tells.
         self._told = light.is_principal.astype(np.float64)
         if builder.follows_all:

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from functools import cached_property, lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -19,7 +20,7 @@ import numpy as np
 from gemrender.beam.budget import Budget
 from gemrender.beam.cells import Cells
 from gemrender.beam.facets import VirtualFacets
-from gemrender.beam.rays import Rays, empty_rays, enter_rays, follow_rays, ray_paths
+from gemrender.beam.rays import Rays, empty_rays, enter_rays, follow_rays, joined_rays, ray_paths
 from gemrender.beam.rim import rim_points
 from gemrender.beam.solid import BeamStone
 from gemrender.beam.view_area import view_area
@@ -91,9 +92,7 @@ class NearGirdle:
         self._convex, self._model = convex, facets.model
         self._tally = tally or Tally(facets.view, facets.model)
         self._follows_all = facets.unfolding is not None
-        self._random = np.random.default_rng(seed)
-        shifts = [self._random.random((SETS, n, 2)) for n in (2, 1)]  # the first two whatever is followed
-        self._shifts = np.concatenate(shifts, axis=1)
+        self._seed, self._shifts = seed, _shifts_of(seed)
         cells = Cells(facets, of_principal=True)
         self._regions: list[_Region] = [cells, _Rim(convex, facets)]
         seen = float(facets.area @ (facets.paths.partial_reflections == 0))
@@ -107,6 +106,10 @@ class NearGirdle:
         n = len(self._regions)
         self.sums, self.rays, self.stopped = np.zeros((SETS, n, self._tally.n_sums)), 0, False
         self._done, self._seconds = [0] * n, [0.0] * n
+
+    @cached_property
+    def _random(self) -> np.random.Generator:
+        return _drawn(self._seed)[0]
 
     def numbers(self, rays: int) -> tuple[int, ...]:
         """Share out a set's rays between the regions, by their areas.
@@ -135,6 +138,11 @@ class NearGirdle:
         budget: Budget | None = None,
     ) -> None:
         """Go on until each set has so many rays in each region, or time is up."""
+        if not any(self._done) and SETS * sum(numbers) < _THREAD_RAYS:
+            self._begin(numbers)
+            if progress is not None:
+                progress(1.0)
+            return
         for k, region in enumerate(self._regions):
             done = self._done[k]
             if self.areas[k] == 0 or done >= numbers[k]:  # nowhere to put them, or enough
@@ -156,6 +164,22 @@ class NearGirdle:
             self.sums[:, k] = total / max(done, 1)
             self._done[k] = done
 
+    def _begin(self, numbers: tuple[int, ...]) -> None:
+        """Trace the first rays of all regions together: so few take as long as half of them."""
+        start = time.perf_counter()
+        there = [k for k, number in enumerate(numbers) if number > 0 and self.areas[k] > 0]
+        if not there:
+            return
+        spread = [
+            (self._regions[k], self._unit(k, 0, numbers[k]), self._states(SETS, numbers[k])) for k in there
+        ]
+        sums = self._tally.sum_up(self._paths(spread), SETS * len(there)).reshape(len(there), SETS, -1)
+        rays = sum(numbers[k] for k in there)
+        each = (time.perf_counter() - start) / rays
+        for k, found in zip(there, sums, strict=True):
+            self.sums[:, k], self._done[k], self._seconds[k] = found, numbers[k], each * numbers[k]
+        self.rays += SETS * rays
+
     def _affordable(self, k: int, done: int, budget: Budget) -> int:
         """Return how many more rays of each set there is time for; 0 if too few to be worth it."""
         more = int(done * max(budget.left, 0.0) / self._seconds[k])
@@ -167,7 +191,8 @@ class NearGirdle:
         random = self._states(sets, n)
 
         def some_sets(part: slice) -> np.ndarray:
-            return self._tally.sum_up(self._paths(region, unit[part], random[part]), len(unit[part]))
+            paths = self._paths([(region, unit[part], random[part])])
+            return self._tally.sum_up(paths, len(unit[part]))
 
         self.rays += sets * n
         if sets * n < _THREAD_RAYS:
@@ -180,15 +205,26 @@ class NearGirdle:
 
     def _states(self, sets: int, n: int) -> np.ndarray:
         """Return states of random numbers, (sets, n) uint64; (sets, 0) for principal light."""
-        shape = (sets, n if self._follows_all else 0)
-        return self._random.integers(1, 1 << 63, shape, dtype=np.uint64)
+        if not self._follows_all:
+            return np.empty((sets, 0), np.uint64)
+        return self._random.integers(1, 1 << 63, (sets, n), dtype=np.uint64)
 
-    def _paths(self, region: _Region, unit: np.ndarray, random: np.ndarray) -> Paths:
-        """Follow rays through points of the unit square (sets, n, 2); return their paths."""
-        convex, n = self._convex, unit.shape[1]
-        rays, areas, of = region.rays(unit.reshape(-1, 2), random.reshape(-1))
+    def _paths(self, spread: Sequence[tuple[_Region, np.ndarray, np.ndarray]]) -> Paths:
+        """Follow rays through points of the unit square (sets, n, 2), with random numbers' states (sets, n).
+
+        The sets of a region come after those of the regions before it.
+        """
+        convex, parts, areas, of_set, before = self._convex, [], [], [], 0
+        for region, unit, random in spread:
+            sets, n, _ = unit.shape
+            rays, each, of = region.rays(unit.reshape(-1, 2), random.reshape(-1))
+            parts.append((rays, len(of)))
+            areas.append(each / n)
+            of_set.append(of // n + before)
+            before += sets
+        rays = joined_rays(parts)
         follow_rays(convex.solid, convex.facet, self._model.index, self._model.max_reflections, rays)
-        return ray_paths(rays, convex.facet, areas / n, convex.stone, of // n)
+        return ray_paths(rays, convex.facet, np.concatenate(areas), convex.stone, np.concatenate(of_set))
 
     def paths(self) -> list[Paths]:
         """Return paths of as many rays as have been followed: areas of all sets together make the regions."""
@@ -197,7 +233,7 @@ class NearGirdle:
             n = self._done[k]
             if n == 0:
                 continue
-            paths, share = self._paths(region, self._unit(k, 0, n), self._states(SETS, n)), 1.0 / SETS
+            paths, share = self._paths([(region, self._unit(k, 0, n), self._states(SETS, n))]), 1.0 / SETS
             if k == RIM:  # as `found` has it
                 met = (paths.status != RayStatus.MISSED) & (paths.partial_reflections == 0)
                 share = self.areas[RIM] / max(float(paths.area @ met), 1e-300)
@@ -215,8 +251,21 @@ class NearGirdle:
         mean = rim.mean(axis=0)
         scale = self.areas[RIM] / mean[MET] if mean[MET] > 0 else 1.0
         differs = rim - rim[:, [MET]] * (mean / mean[MET] if mean[MET] > 0 else 0.0)
-        others = np.delete(self.sums, RIM, axis=1).sum(axis=1)
+        others = sum(self.sums[:, k] for k in range(len(self._regions)) if k != RIM)
         return np.asarray(others + scale * (mean + differs))
+
+
+@lru_cache(maxsize=4)
+def _shifts_of(seed: int) -> np.ndarray:
+    """Return the shifts of the sets in each region, (SETS, 3, 2)."""
+    return _drawn(seed)[1]
+
+
+def _drawn(seed: int) -> tuple[np.random.Generator, np.ndarray]:
+    """Return a source of random numbers that the shifts have been drawn from, and these."""
+    random = np.random.default_rng(seed)
+    shifts = [random.random((SETS, n, 2)) for n in (2, 1)]  # the first two whatever is followed
+    return random, np.concatenate(shifts, axis=1)
 
 
 def next_points(shifts: np.ndarray, steps: np.ndarray, done: int, last: int) -> np.ndarray:

@@ -166,7 +166,7 @@ def see_facets(solid: Any, basis: Any, wedge: Any, index: float, work: Any) -> N
         here = used[0]
         work.nodes[here, 0], work.nodes[here, 1] = -1, i
         used[0] = here + 1
-        path, beam = Path(here, _FIRST, i, _FIRST, 1.0), turned(beam, dx, dy, dz)
+        path, beam = Path(here, _FIRST, i, _FIRST, zero + 1.0), turned(beam, dx, dy, dz)
         add(work.waiting, _WAITS, path, _NONE, beam, table, part, n, size)
 
 
@@ -188,7 +188,7 @@ def _cell(which: int, count: int, n: int, candidates: Any, distances: Any, table
 
 @jit_inner
 def _at_walls(
-    walls: Any, table: Any, part: int, n: int, met: Any, before: Any, path: Any, done: Any
+    walls: Any, moves: bool, table: Any, part: int, n: int, met: Any, before: Any, path: Any, done: Any
 ) -> Any:  # fmt: skip
     """Give out what of a cell lies beyond the walls; return what is left, and the area given out."""
     given, zero = 0.0, met.x * 0.0
@@ -196,6 +196,8 @@ def _at_walls(
         if n == 0:
             break
         a, b, c = beyond(zero + walls[w, 0], zero + walls[w, 1], zero, zero + walls[w, 2], met)
+        if not moves:
+            a, b, c = zero + real(a), zero + real(b), zero + real(c)
         other, m = keep_below(table, part, n, -a, -b, -c)
         if m == 0:
             continue
@@ -295,7 +297,7 @@ def follow_polygons(solid: Any, rules: Any, seen: float, limits: Any, work: Any)
         for k in range(n):
             table[2, k, 0], table[2, k, 1] = waiting.corners[first + k, 0], waiting.corners[first + k, 1]
         beam = beam_at(waiting.numbers, top)
-        path = Path(facts[2], facts[3], facts[4], facts[6], real(waiting.numbers[top, BEAM + 1]))
+        path = Path(facts[2], facts[3], facts[4], facts[6], waiting.numbers[top, BEAM + 1])
         left = real(size)
 
         held = NODE_BYTES * used[0] + CORNER_BYTES * done.used[0] + POLYGON_BYTES * done.used[1]
@@ -324,7 +326,8 @@ def follow_polygons(solid: Any, rules: Any, seen: float, limits: Any, work: Any)
                 continue
             met = moved(beam, distances[i])
             if walls.shape[0] and not is_within(table[part], m, met, inner):
-                part, m, given = _at_walls(walls, table, part, m, met, beam, path, done)
+                moves = rules.walls_move or path.partial == 0
+                part, m, given = _at_walls(walls, moves, table, part, m, met, beam, path, done)
                 left -= given
                 if m == 0:
                     continue
@@ -352,7 +355,7 @@ def follow_polygons(solid: Any, rules: Any, seen: float, limits: Any, work: Any)
                 continue
             dx, dy, dz = beam.dx - 2.0 * cos * nx, beam.dy - 2.0 * cos * ny, beam.dz - 2.0 * cos * nz
             goes_on = Path(here, path.reflections + 1, path.entry, partial, weight)
-            if partial > 0 and real(size) * weight < rules.least * seen:
+            if partial > 0 and real(size) * real(weight) < rules.least * seen:
                 add(done, GIRDLE_CELL, goes_on, _NONE, turned(met, dx, dy, dz), table, part, m, size)
             else:
                 add(waiting, _WAITS, goes_on, _NONE, turned(met, dx, dy, dz), table, part, m, size)
@@ -428,7 +431,7 @@ def trace_polygons(
         ends=facts[:, 0],
         facts=facts[:, 1:],
         areas=states[:, BEAM],
-        weights=states[:, BEAM + 1].real,
+        weights=states[:, BEAM + 1],
         beams=states[:, :BEAM],
         nodes=work.nodes[: work.used[0]],
         outlines=outlines,

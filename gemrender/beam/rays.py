@@ -9,6 +9,7 @@ makes room for the next one.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,7 +21,17 @@ from gemrender.optics.fresnel import LEAST_TOTAL
 from gemrender.paths import Paths
 from gemrender.stone import Stone
 
-__all__ = ["INSIDE", "STATUS", "Rays", "chosen_rays", "empty_rays", "enter_rays", "follow_rays", "ray_paths"]
+__all__ = [
+    "INSIDE",
+    "STATUS",
+    "Rays",
+    "chosen_rays",
+    "empty_rays",
+    "enter_rays",
+    "follow_rays",
+    "joined_rays",
+    "ray_paths",
+]
 
 
 class Rays(NamedTuple):
@@ -100,30 +111,56 @@ def chosen_rays(rays: Rays, columns: np.ndarray) -> Rays:
     return out
 
 
+def joined_rays(parts: Sequence[tuple[Rays, int]]) -> Rays:
+    """Return rays that have not been followed yet, so many of each part, one part after the other."""
+    if len(parts) == 1:
+        return parts[0][0]
+    out = empty_rays(sum(n for _, n in parts), np.concatenate([rays.random for rays, _ in parts]))
+    first = 0
+    for rays, n in parts:
+        out.numbers[:, first : first + n], out.facts[:, first : first + n] = (
+            rays.numbers[:, :n],
+            rays.facts[:, :n],
+        )
+        first += n
+    return out
+
+
 @jit_fast
 def _nearest_planes(planes: Any, block: Any, n: int) -> None:
     """Find the plane that each ray of a block meets next.
 
-    Distances are compared as fractions, without a division; two planes at a time, which share the loads.
+    Distances are compared as fractions, without a division; four planes at a time, which share the loads.
     """
     for k in range(n):
         block[_GAP + k], block[_SLOPE + k], block[_PLANE + k] = math.inf, 1.0, -1.0
-    for i in range(0, planes.shape[0], 2):
-        j = min(i + 1, planes.shape[0] - 1)
-        ax, ay, az, a_offset, a_number = planes[i, 0], planes[i, 1], planes[i, 2], planes[i, 3], float(i)
-        bx, by, bz, b_offset, b_number = planes[j, 0], planes[j, 1], planes[j, 2], planes[j, 3], float(j)
+    last = planes.shape[0] - 1
+    for a in range(0, planes.shape[0], 4):
+        b, c, d = min(a + 1, last), min(a + 2, last), min(a + 3, last)
+        ax, ay, az, a_offset, a_number = planes[a, 0], planes[a, 1], planes[a, 2], planes[a, 3], float(a)
+        bx, by, bz, b_offset, b_number = planes[b, 0], planes[b, 1], planes[b, 2], planes[b, 3], float(b)
+        cx, cy, cz, c_offset, c_number = planes[c, 0], planes[c, 1], planes[c, 2], planes[c, 3], float(c)
+        ex, ey, ez, e_offset, e_number = planes[d, 0], planes[d, 1], planes[d, 2], planes[d, 3], float(d)
         for k in range(n):
             x, y, z = block[_X + k], block[_Y + k], block[_Z + k]
             dx, dy, dz = block[_DX + k], block[_DY + k], block[_DZ + k]
             gap, slope, plane = block[_GAP + k], block[_SLOPE + k], block[_PLANE + k]
             a_slope, a_gap = ax * dx + ay * dy + az * dz, a_offset - ax * x - ay * y - az * z
             b_slope, b_gap = bx * dx + by * dy + bz * dz, b_offset - bx * x - by * y - bz * z
+            c_slope, c_gap = cx * dx + cy * dy + cz * dz, c_offset - cx * x - cy * y - cz * z
+            e_slope, e_gap = ex * dx + ey * dy + ez * dz, e_offset - ex * x - ey * y - ez * z
             closer = (a_slope > PARALLEL) & (a_gap * slope < gap * a_slope)
             gap, slope = a_gap if closer else gap, a_slope if closer else slope
             plane = a_number if closer else plane
             closer = (b_slope > PARALLEL) & (b_gap * slope < gap * b_slope)
-            block[_GAP + k], block[_SLOPE + k] = b_gap if closer else gap, b_slope if closer else slope
-            block[_PLANE + k] = b_number if closer else plane
+            gap, slope = b_gap if closer else gap, b_slope if closer else slope
+            plane = b_number if closer else plane
+            closer = (c_slope > PARALLEL) & (c_gap * slope < gap * c_slope)
+            gap, slope = c_gap if closer else gap, c_slope if closer else slope
+            plane = c_number if closer else plane
+            closer = (e_slope > PARALLEL) & (e_gap * slope < gap * e_slope)
+            block[_GAP + k], block[_SLOPE + k] = e_gap if closer else gap, e_slope if closer else slope
+            block[_PLANE + k] = e_number if closer else plane
 
 
 @jit_fast

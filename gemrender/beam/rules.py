@@ -16,6 +16,9 @@ class Rules(NamedTuple):
     ground: float
     follows_all: bool  # whether what is reflected below the critical angle goes on
     least: float  # area x weight below which it becomes a cell, for single rays to follow [share of the view]
+    #: Whether the line in the view where later light ends at the walls moves with the planes: it is none of
+    #: the stone's own edges, and derivatives of both sides together are the same either way.
+    walls_move: bool = True
 
 
 class Solid(NamedTuple):

@@ -9,14 +9,16 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from typing import Unpack
 
 from gemrender.beam.budget import Budget
 from gemrender.beam.by_parameters import by_parameters
 from gemrender.beam.by_proportions import PROPORTIONS, by_proportions, proportion_planes
 from gemrender.beam.by_tiers import by_tiers, tier_planes
-from gemrender.beam.derivatives import Derivative, Sensitivity, ValueSlope, facet_totals
+from gemrender.beam.derivatives import Derivative, Sensitivity, ValueSlope
 from gemrender.beam.measure import check_bound
+from gemrender.beam.totals import facet_totals
 from gemrender.cuts.design import Design
 from gemrender.cuts.families.family import Family
 from gemrender.errors import InputError
@@ -85,12 +87,12 @@ def smooth_measures(chosen: str | Measure | Iterable[str | Measure]) -> tuple[Me
         if not of.smooth_keys:
             allowed = ", ".join(each.name for each in all_measures() if each.smooth_keys)
             why = (
-                "is no analytic sum over principal paths"
-                if of.follow == "principal"
-                else "needs light that is reflected in part, which polygons tell only down to a least share"
+                "its values are numbers and sizes of single virtual facets, which come and go"
+                if not of.keys
+                else "it does not say which of its values are analytic"
             )
             raise InputError(
-                f"cannot be differentiated: it {why}; must be among {allowed}",
+                f"cannot be differentiated: {why}; must be among {allowed}",
                 key="measures",
                 value=of.name,
             )
@@ -109,6 +111,7 @@ def sensitivity(
     progress: Callable[[float], None] | None = None,
     measures: str | Measure | Iterable[str | Measure] = (),
     head: float = HEAD_DEG,
+    meets: str = "free",
     **short: Unpack[ShortForms],
 ) -> Sensitivity:
     """Differentiate a stone's Average and Rear by each of its proportions and angles, or of its tiers'.
@@ -129,15 +132,22 @@ def sensitivity(
         Seed of the rays near the girdle.
     bound : float
         Wanted bound of every derivative [% per unit]. Rays near the girdle are added until it is reached, but
-        no more than 8192 of each of the sixteen sets, and none that time is not left for.
+        no more than 8192 of each of the sixteen sets, four times as many for light that has been reflected in
+        part, and none that time is not left for.
     time_limit, memory_limit : float
         What it may take [s], [GiB].
     progress : callable, optional
         Called with the share done, 0 to 1.
     measures : str, Measure, or iterable of them
-        Further measures (`smooth_measures`); `all` for all of them that can be differentiated.
+        Further measures (`smooth_measures`); `all` for all of them that can be differentiated. Of all light
+        polygons tell the derivative exactly down to a least share of the view (1e-8 for most stones), and
+        rays that of the rest, with its bound (`later`); measures over all views are difference quotients of
+        rays, with theirs (`hemisphere_slopes`).
     head : float
         Half the angle at which the viewer's head is seen from the stone, 0 to below 90 [deg].
+    meets : {"free", "loose", "kept"}
+        Of designs, what becomes of meet points where a tier changes: its other number and all other tiers
+        stay; or it turns about the middle of its facets; or other tiers follow (`gemrender.cuts.meets`).
     **short
         Short forms of view and model, such as tilt (`gemrender.request.ShortForms`).
 
@@ -151,10 +161,22 @@ def sensitivity(
     check_differentiable(stone)
     wanted = check_bound(bound)
     view, model = resolve(stone, view, model, short)
-    tally = Tally(view, model, smooth_measures(measures), head)
-    whole = Budget(time_limit, memory_limit)
+    chosen = smooth_measures(measures)
+    over_views = [of for of in chosen if of.views == "hemisphere"]
+    tally = Tally(view, model, [of for of in chosen if of not in over_views], head)
+    how = (tally, over_views, wanted, seed, Budget(time_limit, memory_limit), progress, start)
     if isinstance(stone.cut, Design):
-        return by_tiers(stone, stone.cut, tally, whole, progress, start)
-    if isinstance(stone.cut, Family):
-        return by_parameters(stone, stone.cut, tally, wanted, seed, whole, progress, start)
-    return by_proportions(stone, tally, wanted, seed, whole, progress, start)
+        found = by_tiers(stone, stone.cut, *how, meets)
+    elif meets != "free":
+        raise InputError("only designs of tiers have meets", key="meets", value=meets)
+    elif isinstance(stone.cut, Family):
+        found = by_parameters(stone, stone.cut, *how)
+    else:
+        found = by_proportions(stone, *how)
+    if not over_views:
+        return found
+    place = {of.name: k for k, of in enumerate(chosen)}  # in the order that was asked for
+    return replace(found, derivatives=tuple(
+        replace(of, measures=tuple(sorted(of.measures, key=lambda value: place[value.measure])))
+        for of in found.derivatives
+    ))  # fmt: skip

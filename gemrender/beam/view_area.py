@@ -54,6 +54,13 @@ def _is_thick(planes: np.ndarray) -> bool:
     """Whether crown and pavilion planes (p, 4) meet nowhere within the unit circle."""
     heights = np.column_stack([planes[:, :2], planes[:, 3]]) / planes[:, 2:3]
     upper, lower = (heights[planes[:, 2] * sign > 0] for sign in (1.0, -1.0))
+    if not len(upper) or not len(lower):
+        return True
+    # Each crown plane above every pavilion plane wherever either is within the circle: so of most stones.
+    if (upper[:, 2] - np.hypot(upper[:, 0], upper[:, 1])).min() > (
+        lower[:, 2] + np.hypot(lower[:, 0], lower[:, 1])
+    ).max():
+        return True
     between = upper[:, None] - lower
     return bool((between[..., 2] ** 2 >= between[..., 0] ** 2 + between[..., 1] ** 2).all())
 

@@ -16,7 +16,7 @@ from gemrender.errors import InputError
 
 if TYPE_CHECKING:
     from gemrender.sweep.atlas import AtlasMade
-    from gemrender.sweep.atlas_plan import AtlasPlan
+    from gemrender.sweep.atlas.plan import AtlasPlan
 
 __all__ = ["MapOptions", "atlas", "show_atlas"]
 
@@ -32,7 +32,20 @@ class WorkerOptions:
     threads: Annotated[
         int | None,
         whole_option(
-            "--threads", "Threads of this process; by default one a processor.", low=1, rich_help_panel=_WORK
+            "--threads",
+            "So many threads of one process, in place of processes.",
+            low=1,
+            rich_help_panel=_WORK,
+        ),
+    ] = None
+    processes: Annotated[
+        int | None,
+        whole_option(
+            "--processes",
+            "Processes of this machine; by default one a processor, where there is work for more than a few "
+            "seconds.",
+            low=1,
+            rich_help_panel=_WORK,
         ),
     ] = None
     dask: Annotated[
@@ -104,16 +117,16 @@ def atlas(
         return
     if len(what) > 1:
         raise InputError("is one plan too many; name one", key="PLAN", value=what[1])
-    if by.dask is not None and by.threads is not None:
-        raise InputError("is for threads of this process, not for --dask", key="--threads", value=by.threads)
-    from gemrender.sweep.atlas_plan_file import read_plan
-    from gemrender.sweep.atlas_store import check_room
+    from gemrender.sweep.atlas.plan_file import read_plan
+    from gemrender.sweep.atlas.store import check_room
+    from gemrender.sweep.atlas.work import check_workers
 
+    check_workers(by.threads, by.processes, by.dask)
     plan = read_plan(what[0])
     where = out or f"{Path(what[0]).stem}.zarr"
     if by.dry_run:
         check_room(plan, where)
-        _print_cost(plan, by.threads)
+        _print_cost(plan, by.threads, by.processes)
         return
     from gemrender.engines import require_engine
     from gemrender.sweep.atlas import make_atlas
@@ -121,7 +134,10 @@ def atlas(
     if by.dask is None:
         require_engine("exact", stones=[plan.stone], bound=plan.bound)
     with progress_bar(1) as steps:
-        made = make_atlas(plan, where, threads=by.threads, dask=by.dask, progress=steps(0, plan.name))
+        made = make_atlas(
+            plan, where, threads=by.threads, processes=by.processes, dask=by.dask,
+            progress=steps(0, plan.name),
+        )  # fmt: skip
     _tell(made, where)
 
 
@@ -137,8 +153,8 @@ def show_atlas(
     from gemrender.cuts import load_stone
     from gemrender.report.atlas import write_atlas_figure
     from gemrender.report.files import prepare_folder
-    from gemrender.sweep.atlas_map import atlas_map
-    from gemrender.sweep.atlas_store import open_atlas
+    from gemrender.sweep.atlas.map import atlas_map
+    from gemrender.sweep.atlas.store import open_atlas
 
     if len(names) > 1:
         raise InputError("is one too many; of an atlas, name it alone", key="STONE", value=names[1])
@@ -164,7 +180,7 @@ def show_atlas(
 
 
 def _export(names: list[str], out: str | None) -> None:
-    from gemrender.sweep.atlas_export import export_atlas
+    from gemrender.sweep.atlas.export import export_atlas
 
     if len(names) != 1:
         raise InputError("must be one atlas: gemrender atlas export STORE -o FILE.nc", key="STORE")
@@ -176,19 +192,19 @@ def _export(names: list[str], out: str | None) -> None:
     say(f"written: {path}")
 
 
-def _print_cost(plan: AtlasPlan, threads: int | None) -> None:
+def _print_cost(plan: AtlasPlan, threads: int | None, processes: int | None) -> None:
     from gemrender.progress import duration_words
     from gemrender.sweep.atlas import atlas_cost
 
-    cost = atlas_cost(plan, threads=threads)
+    cost = atlas_cost(plan, threads=threads, processes=processes)
     views = f" x {cost.views} views" if cost.views > 1 else ""
     typer.echo(f"stones    {cost.stones}{views}")
     typer.echo(f"chunks    {cost.chunks}, of at most {plan.chunk} stones")
     typer.echo(f"values    {len(plan.variables)} a stone and view, their bounds included")
     typer.echo(f"size      at most {_bytes(cost.bytes)}, before compression")
     typer.echo(
-        f"time      about {duration_words(cost.seconds)}: {cost.rate:.3g} stones a second, measured on "
-        f"{cost.tried} of them"
+        f"time      about {duration_words(cost.seconds)}: {cost.rate:.3g} stones a second by "
+        f"{cost.workers}, measured on {cost.tried} of them"
     )
     if cost.made < cost.tried:
         typer.echo(f"no stone  {cost.tried - cost.made} of these {cost.tried}")
@@ -204,7 +220,7 @@ def _bytes(number: float) -> str:
 
 def _tell(made: AtlasMade, where: str) -> None:
     """Say what has become of the atlas, and which stones have no values."""
-    from gemrender.sweep.atlas_store import FAILED, NO_STONE
+    from gemrender.sweep.atlas.store import FAILED, NO_STONE
 
     for number, words in (
         (made.no_stone, f"make no stone (status {NO_STONE} in the atlas)"),

@@ -2,27 +2,32 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from gemrender.cli.output import say
 from gemrender.cli.stones import assumptions
-from gemrender.cli.values import OptionError, complete_files, material_option, number_option
+from gemrender.cli.values import choice_option, complete_files, material_option, number_option
 from gemrender.errors import InputError
 
 if TYPE_CHECKING:
     from gemrender.scene.photoreal import Gem
+    from gemrender.scene.setup import Setup as SetUp
 
 __all__ = [
     "SIZE",
     "GemOptions",
+    "SettingOptions",
     "Setup",
     "Size",
     "complete_setups",
     "load_gems",
     "picture_size",
+    "tell_assumptions",
+    "with_settings",
 ]
 
 GEMS = "Stones"
@@ -47,19 +52,11 @@ Setup = typer.Option(
 )
 
 
-def picture_size(text: str) -> tuple[int, int]:
-    """Read the size of a picture: its side, or width and height [pixels]."""
-    from gemrender.scene.photoreal import MOST_PIXELS
+def picture_size(text: str, aspect: str | None = None) -> tuple[int, int]:
+    """Read the size of a picture: its side, or width and height [pixels], and its aspect."""
+    from gemrender.render.shots import picture_size as sides
 
-    parts = text.lower().split("x")
-    try:
-        sides = [int(part) for part in parts]
-    except ValueError:
-        sides = []
-    if len(sides) not in (1, 2) or not all(1 <= side <= MOST_PIXELS for side in sides):
-        allowed = f"must be a number of pixels or two, as 1024 or 1600x900, from 1 to {MOST_PIXELS}"
-        raise OptionError(InputError(allowed, key="--size", value=text))
-    return sides[0], sides[-1]
+    return sides(text, aspect)
 
 
 Size = Annotated[str, typer.Option(metavar="N|WxH", help="Size of the picture, in pixels.")]
@@ -95,6 +92,57 @@ class GemOptions:
     ] = None
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SettingOptions:
+    """What holds pictured stones, and the finish of their girdles."""
+
+    setting: Annotated[
+        str | None,
+        choice_option(
+            "--setting",
+            ("none", "solitaire", "bezel", "pendant"),
+            "What holds each stone; by default what the set-up says.",
+            metavar="WORD",
+            rich_help_panel=GEMS,
+        ),
+    ] = None
+    metal: Annotated[
+        str | None,
+        choice_option(
+            "--metal",
+            ("platinum", "gold", "silver"),
+            "Metal of the setting.",
+            metavar="WORD",
+            rich_help_panel=GEMS,
+        ),
+    ] = None
+    girdle: Annotated[
+        str | None,
+        choice_option(
+            "--girdle",
+            ("polished", "faceted", "bruted"),
+            "Finish of the stones' girdles.",
+            metavar="WORD",
+            rich_help_panel=GEMS,
+        ),
+    ] = None
+
+
+def with_settings(setup: SetUp, options: SettingOptions) -> SetUp:
+    """Return a set-up with what the options say of settings and girdles.
+
+    Raises
+    ------
+    InputError
+        A metal without a setting, or a setting that the set-up has no place for.
+    """
+    of = {key: value for key, value in (("type", options.setting), ("metal", options.metal)) if value}
+    setting = replace(setup.setting, **of)
+    if options.metal and setting.type == "none":
+        raise InputError("is for a setting; give --setting too", key="metal", value=options.metal)
+    return replace(setup, setting=setting, girdle=options.girdle or setup.girdle)
+
+
 def load_gems(names: list[str], options: GemOptions) -> list[Gem]:
     """Load stones, with their material and size."""
     from gemrender.cuts import load_stone
@@ -102,7 +150,12 @@ def load_gems(names: list[str], options: GemOptions) -> list[Gem]:
 
     stones = [load_stone(name) for name in names]
     gems = make_gems(stones, material=options.material, carat=options.carat, diameter_mm=options.diameter)
-    for name, stone in zip(names, stones, strict=True):
-        for words in assumptions(name, stone):
-            say(f"gemrender: {words}")
+    tell_assumptions(names, gems)
     return gems
+
+
+def tell_assumptions(names: Sequence[str], gems: Sequence[Gem]) -> None:
+    """Say what was taken of stones, since their files do not say it."""
+    for name, gem in zip(names, gems, strict=True):
+        for words in assumptions(name, gem.stone):
+            say(f"gemrender: {words}")

@@ -1,14 +1,14 @@
-"""The command `render`: photoreal pictures and turntables."""
+"""The command `render`: photoreal pictures and films."""
 
 from __future__ import annotations
 
 from math import isfinite
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from gemrender.cli.gems import SIZE, GemOptions, Setup, Size, load_gems, picture_size
+from gemrender.cli.gems import SIZE, GemOptions, SettingOptions, Setup, Size, tell_assumptions, with_settings
 from gemrender.cli.groups import command
 from gemrender.cli.options import ENGINE, Stones, output_option
 from gemrender.cli.output import output_file, progress_bar, say
@@ -17,16 +17,27 @@ from gemrender.errors import InputError
 from gemrender.render.formats import Background
 from gemrender.render.quality import Quality
 
+if TYPE_CHECKING:
+    from gemrender.render.shots import Shot
+    from gemrender.scene.moves import Move
+
 __all__ = ["render"]
 
 #: Headings of the help.
 PICTURE, FILM = "Picture", "Film"
+#: Its words are those of `gemrender.scene.moves`, which is heavier to import.
+MOVES = ("turntable", "rock", "tilt")
+#: What the shell completes; any other may be asked for.
+ASPECTS = ("1:1", "4:5", "9:16", "3:2", "16:9")
+#: Tone curves, those of set-ups.
+CURVES = ("linear", "filmic", "contrast", "neutral", "agx")
 
 
 @command
 def render(
     stones: Stones,
     gem: GemOptions,
+    held: SettingOptions,
     out: Annotated[
         str,
         output_option(
@@ -36,6 +47,14 @@ def render(
     ],
     setup: Annotated[str, Setup] = "studio",
     size: Size = SIZE,
+    aspect: Annotated[
+        str | None,
+        typer.Option(
+            metavar="W:H",
+            help="Width to height, as 4:5 or 9:16; the size is the shorter side, then.",
+            autocompletion=complete_words(lambda: ASPECTS),
+        ),
+    ] = None,
     quality: Annotated[
         str | None,
         choice_option(
@@ -99,15 +118,15 @@ def render(
         ),
     ] = 0.0,
     curve: Annotated[
-        str,
+        str | None,
         choice_option(
             "--curve",
-            ("linear", "filmic"),
-            "Tone curve of all but EXR pictures.",
+            CURVES,
+            "Tone curve of all but EXR pictures; by default the set-up's.",
             metavar="CURVE",
             rich_help_panel=PICTURE,
         ),
-    ] = "filmic",
+    ] = None,
     bins: Annotated[
         int | None,
         whole_option("--bins", "Spectral bins of an EXR picture.", low=1, high=200, rich_help_panel=PICTURE),
@@ -120,7 +139,27 @@ def render(
     ] = "380,760",
     frames: Annotated[
         int | None,
-        whole_option("--frames", "Frames of a film of one turn (.mp4, .gif or .webp).", rich_help_panel=FILM),
+        whole_option("--frames", "Frames of a film (.mp4, .gif or .webp), a loop.", rich_help_panel=FILM),
+    ] = None,
+    move: Annotated[
+        str,
+        choice_option(
+            "--move",
+            MOVES,
+            "How stones move: one turn about the vertical, from side to side, or to the camera and away.",
+            metavar="WORD",
+            rich_help_panel=FILM,
+        ),
+    ] = "turntable",
+    to: Annotated[
+        float | None,
+        number_option(
+            "--to",
+            "degrees",
+            "How far stones are rocked or tilted, either way; by default 15.",
+            metavar="DEGREES",
+            rich_help_panel=FILM,
+        ),
     ] = None,
     fps: Annotated[
         float,
@@ -128,111 +167,85 @@ def render(
     ] = 30.0,
 ) -> None:
     """Render stones photoreally: spectra, dispersion, studio light."""
-    from gemrender.render.develop import EV_LIMIT
     from gemrender.render.formats import output_kind
-    from gemrender.render.frames import check_film
-    from gemrender.render.photoreal import require_denoiser
-    from gemrender.render.quality import ends_of
+    from gemrender.render.shots import prepare
     from gemrender.report.files import file_stems, prepare_folder
+    from gemrender.scene.moves import Move
     from gemrender.scene.setup import load_setup
     from gemrender.writing import check_place
 
     default = file_stems(stones)[0] + (".mp4" if frames else ".png")
     path = Path(output_file(out, default))
-    suffix = path.suffix.lower()
-    width, height = picture_size(size)
-    transparent = background == Background.TRANSPARENT
-    kind = output_kind(path, frames=frames, transparent=transparent, size=(width, height))
-    ends = ends_of(Quality(quality) if quality else None, spp=spp, noise=noise, time_limit=time)
-    gems = load_gems(stones, gem)
-    around = load_setup(setup)
-    options: dict[str, Any] = {
-        "width": width,
-        "height": height,
-        **ends,
-        "seed": seed,
-        "dispersion": dispersion,
-        "transparent": transparent,
-        "variant": variant,
-    }
-    bins_nm = _bins(bins, range_, suffix)
-    if abs(exposure + around.exposure) > EV_LIMIT:
-        allowed = f"must be from {-EV_LIMIT:g} to {EV_LIMIT:g} with the set-up's own, {around.exposure:g}"
-        raise InputError(allowed, key="exposure", value=exposure)
-    if kind == "film" and turn:
-        raise InputError("is for still pictures only", key="turn", value=turn)
-    if denoise:
-        require_denoiser()
+    output_kind(path, frames=frames, transparent=background == Background.TRANSPARENT)
+    if bins is not None and path.suffix.lower() != ".exr":
+        raise InputError("go into EXR pictures only", key="bins", value=bins)
+    shot = prepare(
+        stones,
+        with_settings(load_setup(setup), held),
+        material=gem.material,
+        carat=gem.carat,
+        diameter=gem.diameter,
+        size=size,
+        aspect=aspect,
+        quality=quality,
+        spp=spp,
+        noise=noise,
+        time=time,
+        dispersion=dispersion,
+        turn=turn,
+        seed=seed,
+        variant=variant,
+        background=background,
+        denoise=denoise,
+        exposure=exposure,
+        curve=curve,
+        bins=bins,
+        range=range_,
+    )
+    moved = Move.of(move, to)
+    if frames is not None:
+        shot.check_film(path, frames=frames, fps=fps, move=moved)
+    else:
+        output_kind(path, transparent=shot.transparent, size=shot.size)
+    if frames is None and (move != "turntable" or to is not None):
+        key, value = ("move", move) if move != "turntable" else ("to", to)
+        raise InputError("is of films; give a number of --frames, too", key=key, value=value)
+    tell_assumptions(stones, shot.gems)
     prepare_folder(path.parent)
     check_place(path)
-    shown: dict[str, Any] = {"ev": exposure, "curve": curve, "denoise": denoise}
     if frames is not None:
-        check_film(path, width, height, frames, fps)
-        _film(path, gems, around, frames=frames, fps=fps, **shown, **options)
+        _film(path, shot, frames=frames, fps=fps, move=moved)
     else:
-        _still(path, gems, around, turn_deg=turn, bins_nm=bins_nm, **shown, **options)
+        _still(path, shot)
 
 
-def _still(
-    path: Path, gems: Any, setup: Any, *, ev: float, curve: str, denoise: bool, **options: Any
-) -> None:
-    from gemrender.render.finish import denoised, exposure_of, write_picture
-    from gemrender.render.photoreal import render as render_picture
-
+def _still(path: Path, shot: Shot) -> None:
     with progress_bar(1) as step:
-        picture = render_picture(gems, setup, progress=step(0, "rendering"), **options)
-    if denoise:
-        picture = denoised(picture)
-    exposure = exposure_of(picture, setup, ev=ev)
-    about = {
-        "Title": ", ".join(f"{gem.stone.name} ({gem.material.name})" for gem in gems),
-        "Description": f"set-up {setup.name}, {picture.samples} samples a pixel",
-    }
-    write_picture(path, picture, setup, exposure=exposure, curve=curve, about=about)
+        picture = shot.picture(progress=step(0, "rendering"))
+    picture.save(path)
     noise = "noise not known of one pass"
     if isfinite(picture.noise):
         noise = f"noise {picture.noise:.2g} of the {picture.noise_of}"
     say(
         f"written: {path} ({picture.samples} samples a pixel, {noise}, "
-        f"{picture.seconds:.1f} s, exposure {exposure:.3g})"
+        f"{picture.seconds:.1f} s, exposure {picture.exposure:.3g})"
     )
     if picture.stopped == "interrupted":
         say("interrupted: the picture holds what was done")
         raise typer.Exit(130)
 
 
-def _film(path: Path, gems: Any, setup: Any, *, frames: int, **options: Any) -> None:
-    from gemrender.render.frames import render_film
-
+def _film(path: Path, shot: Shot, *, frames: int, fps: float, move: Move) -> None:
     with progress_bar(frames) as step:
         try:
-            render_film(
+            shot.film(
                 path,
-                gems,
-                setup,
                 frames=frames,
+                fps=fps,
+                move=move,
                 progress=lambda k: step(k, f"frame {k + 1} of {frames}"),
-                **options,
             )
         except KeyboardInterrupt:
             say(f"interrupted: the frames so far are in {path}.frames; the same command goes on from there")
             raise
     say(f"written: {path}")
-
-
-def _bins(bins: int | None, range_: str, suffix: str) -> list[float] | None:
-    from gemrender.render.passes import check_range
-
-    allowed = "must be two wavelengths, as 380,760 [nm]"
-    try:
-        first, last = (float(part) for part in range_.split(","))
-    except ValueError as error:
-        raise InputError(allowed, key="range", value=range_) from error
-    if not (isfinite(first) and isfinite(last)):
-        raise InputError(allowed, key="range", value=range_)
-    check_range(first, last)
-    if bins is None:
-        return None
-    if suffix != ".exr":
-        raise InputError("go into EXR pictures only", key="bins", value=bins)
-    return [first + (last - first) * k / bins for k in range(bins + 1)]

@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from gemrender.cli.gems import SIZE, GemOptions, Setup, Size, load_gems, picture_size
+from gemrender.cli.gems import (
+    SIZE,
+    GemOptions,
+    SettingOptions,
+    Setup,
+    Size,
+    load_gems,
+    picture_size,
+    with_settings,
+)
 from gemrender.cli.groups import command
 from gemrender.cli.options import (
     EngineOptions,
@@ -35,7 +44,7 @@ __all__ = ["scene"]
 
 #: Options of the scored scene, and those of a picture's.
 _OF_SCORES = ("resolution", "fresnel", "rear", "intensity", "tilt", "tilt_azimuth")
-_OF_PICTURES = ("stock", "carat", "diameter", "size", "spp")
+_OF_PICTURES = ("stock", "carat", "diameter", "size", "spp", "setting", "metal", "girdle")
 #: Stones that a picture's file is named after at most.
 _MOST_NAMED = 3
 
@@ -47,6 +56,7 @@ def scene(
     model: ModelOptions,
     view: ViewOptions,
     gem: GemOptions,
+    held: SettingOptions,
     out: Annotated[str, output_option("Where to write the XML and PLY files.")],
     variant: Variant = DEFAULT_VARIANT,
     resolution: Resolution = DEFAULT_RESOLUTION,
@@ -77,7 +87,9 @@ def scene(
     gems = load_gems(stones, gem)
     if not _is_given(context, "variant"):
         variant = "llvm_ad_rgb" if stock else "llvm_ad_spectral"
-    _picture(stones, gems, load_setup(setup), out, variant, picture_size(size), spp, stock)
+    _picture(
+        stones, gems, with_settings(load_setup(setup), held), out, variant, picture_size(size), spp, stock
+    )
 
 
 def _is_given(context: typer.Context, key: str) -> bool:
@@ -121,7 +133,7 @@ def _picture(
 ) -> None:
     from gemrender.render.backend import ensure_variant
     from gemrender.report.files import check_folder, file_stems, prepare_folder
-    from gemrender.scene.photoreal import photoreal_scene
+    from gemrender.scene.photoreal import photoreal_scene, title_of
     from gemrender.scene.xml import write_photoreal
 
     check_folder(out)
@@ -130,8 +142,7 @@ def _picture(
     width, height = size
     made = photoreal_scene(gems, setup, width=width, height=height, stock=stock, samples=samples)
     names = [*stones[:_MOST_NAMED], setup.source or setup.name]
-    shown = ", ".join(f"{gem.stone.name} ({gem.material.name})" for gem in gems)
     (stem,) = file_stems(["-".join(file_stems(names))])  # as a whole, it is no longer than one
-    about = f"{shown}; set-up {setup.name}"
+    about = f"{title_of(gems)}; set-up {setup.name}"
     path = write_photoreal(prepare_folder(out), stem, made, about=about, stock=stock)
     say(f"written: {path}")

@@ -23,7 +23,7 @@ from gemrender.cli.options import (
 )
 from gemrender.cli.output import print_records, progress_bar, renamed, say
 from gemrender.cli.stones import StoneOptions, load
-from gemrender.cli.values import number_option
+from gemrender.cli.values import choice_option, number_option
 from gemrender.errors import InputError
 
 __all__ = ["sensitivity"]
@@ -75,6 +75,16 @@ def sensitivity(
         float,
         number_option("--threshold", "per cent", "Smaller jumps are no cliff.", metavar="PERCENT"),
     ] = 0.5,
+    meets: Annotated[
+        str,
+        choice_option(
+            "--meets",
+            ("free", "loose", "kept"),
+            "What becomes of a design's meet points where a tier changes: all else stays; it turns about the "
+            "middle of its facets; or other tiers follow, so that they are kept.",
+            metavar="HOW",
+        ),
+    ] = "free",
     out: Annotated[str | None, output_option("Where to write a figure for each stone.")] = None,
 ) -> None:
     """Differentiate scores by each proportion, angle or tier: exact, moving edges included; tell cliffs."""
@@ -114,7 +124,14 @@ def sensitivity(
             first = _part(progress, 0.0, _FIRST if cliffs else 1.0)
             found.append(
                 differentiate(
-                    stone, view=at, model=rules, bound=wanted, progress=first, measures=measures, head=head
+                    stone,
+                    view=at,
+                    model=rules,
+                    bound=wanted,
+                    progress=first,
+                    measures=measures,
+                    head=head,
+                    meets=meets,
                 )
             )
             if cliffs:
@@ -126,6 +143,7 @@ def sensitivity(
                         model=rules,
                         head=head,
                         reach=reach,
+                        meets=meets,
                         threshold=threshold,
                         progress=_part(progress, _FIRST, 1.0),
                     )

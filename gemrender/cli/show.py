@@ -108,7 +108,7 @@ def show(
     out: Annotated[str, output_option("Where to write the pictures.")] = ".",
 ) -> None:
     """Draw stones: outline, vertices, shape, triangles, rays, a fan, the map, virtual facets; or an atlas."""
-    from gemrender.sweep.atlas_store import is_atlas
+    from gemrender.sweep.atlas.store import is_atlas
 
     if any(map(is_atlas, stones)):
         show_atlas(stones, of_atlas, measures, at, _FORMATS[form], out)

@@ -19,8 +19,9 @@ from gemrender.cli.options import (
     prepare_engine,
     trace_options,
 )
-from gemrender.cli.output import print_records, progress_bar, say
+from gemrender.cli.output import print_records, say
 from gemrender.cli.stones import StoneOptions, load
+from gemrender.cli.studies import study_each
 from gemrender.cli.values import number_option, whole_option
 from gemrender.engines import DEFAULT_MEMORY_LIMIT, DEFAULT_TIME_LIMIT
 
@@ -75,7 +76,6 @@ def symmetry(
     ] = None,
 ) -> None:
     """Study what poor symmetry does to the scores: facets tilted at random, many times."""
-    from gemrender.report.files import file_stems, prepare_folder
     from gemrender.report.symmetry import study_records, study_table, write_symmetry_figure
     from gemrender.sweep import check_study, study_symmetry
 
@@ -100,18 +100,14 @@ def symmetry(
     for words in notes:
         say(words)
     loaded.tell()
-    folder = None if out is None else prepare_folder(out)
-    stems = file_stems(loaded.names)
     _leave_out_defaults(options)
-    studies = []
-    with progress_bar(len(loaded)) as step:
-        for i, stone in enumerate(loaded.stones):
-            journal = None if folder is None else folder / f"{stems[i]}-symmetry.jsonl"
-            studies.append(
-                study_symmetry(stone, **study, options=options, journal=journal, progress=step(i, stone.name))
-            )
-            if folder is not None:
-                say(f"written: {write_symmetry_figure(studies[-1], folder / f'{stems[i]}-symmetry.png')}")
+    studies = study_each(
+        loaded, "symmetry", out,
+        lambda stone, journal, progress: study_symmetry(
+            stone, **study, options=options, journal=journal, progress=progress
+        ),
+        write_symmetry_figure,
+    )  # fmt: skip
     print_records(
         form,
         tables=lambda: [study_table(studies)],

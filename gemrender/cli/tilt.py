@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -23,10 +24,14 @@ from gemrender.cli.options import (
     prepare_engine,
     trace_options,
 )
-from gemrender.cli.output import print_records, progress_bar, say
+from gemrender.cli.output import print_records
 from gemrender.cli.stones import LoadedStones, StoneOptions, load
+from gemrender.cli.studies import study_each
 from gemrender.cli.values import OptionError, complete_words, number_option
 from gemrender.errors import InputError
+
+if TYPE_CHECKING:
+    from gemrender.sweep.tilted import TiltStudy
 
 __all__ = ["tilt"]
 
@@ -100,7 +105,6 @@ def tilt(
 ) -> None:
     """Tilt stones: measures as curves over the tilt, with bounds, or as a surface over all tilts."""
     from gemrender.engines import check_head
-    from gemrender.report.files import file_stems, prepare_folder
     from gemrender.report.tilt import tilt_records, tilt_table, write_tilt_figure
     from gemrender.sweep import study_tilt
     from gemrender.sweep.poses import tilt_poses
@@ -123,24 +127,22 @@ def tilt(
         _check_film(film, loaded, poses, len(study["measures"]))
     prepare_engine(options, loaded.samples, out)
     loaded.tell()
-    folder = None if out is None else prepare_folder(out)
-    stems = file_stems(loaded.names)
-    studies = []
-    with progress_bar(len(loaded) + (film is not None)) as steps:
-        for i, stone in enumerate(loaded.stones):
-            journal = None if folder is None else folder / f"{stems[i]}-tilt.jsonl"
-            studies.append(
-                study_tilt(stone, **study, options=options, journal=journal, progress=steps(i, stone.name))
-            )
-            if folder is not None:
-                say(f"written: {write_tilt_figure(studies[-1], folder / f'{stems[i]}-tilt.png')}")
-        if film is not None:
-            from gemrender.report.tilt_film import write_tilt_film
 
-            made = write_tilt_film(
-                studies[0], loaded.stones[0], Path(film), options=options, progress=steps(1, "film")
-            )
-            say(f"written: {made}")
+    def write_film(studied: TiltStudy, progress: Callable[[float], None]) -> Path:
+        from gemrender.report.tilt_film import write_tilt_film
+
+        return write_tilt_film(
+            studied, loaded.stones[0], Path(film or ""), options=options, progress=progress
+        )
+
+    studies = study_each(
+        loaded, "tilt", out,
+        lambda stone, journal, progress: study_tilt(
+            stone, **study, options=options, journal=journal, progress=progress
+        ),
+        write_tilt_figure,
+        write_film if film is not None else None,
+    )  # fmt: skip
     print_records(
         form,
         tables=lambda: [tilt_table(studies)],

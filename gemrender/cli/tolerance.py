@@ -23,8 +23,9 @@ from gemrender.cli.options import (
     prepare_engine,
     trace_options,
 )
-from gemrender.cli.output import print_records, progress_bar, say
+from gemrender.cli.output import print_records
 from gemrender.cli.stones import StoneOptions, load
+from gemrender.cli.studies import study_each
 from gemrender.cli.values import choice_option, number_option, whole_option
 from gemrender.errors import InputError
 
@@ -106,7 +107,6 @@ def tolerance(
     from gemrender.cuts.families.family import Family
     from gemrender.engines import check_head
     from gemrender.measures import chosen_measures
-    from gemrender.report.files import file_stems, prepare_folder
     from gemrender.report.tolerance import tolerance_records, tolerance_table, write_tolerance_figure
     from gemrender.sweep.tolerance import study_tolerance
     from gemrender.sweep.unknown import Cutting, Measuring, Rounding
@@ -133,28 +133,18 @@ def tolerance(
     }
     prepare_engine(options, loaded.samples, out)
     loaded.tell()
-    folder = None if out is None else prepare_folder(out)
-    studies = []
-    with progress_bar(len(loaded)) as step:
-        for i, (stone, stem) in enumerate(zip(loaded.stones, file_stems(loaded.names), strict=True)):
-            journal = None if folder is None else folder / f"{stem}-tolerance.jsonl"
-            studies.append(
-                study_tolerance(
-                    stone,
-                    unknown_of(stone),
-                    **study,
-                    options=options,
-                    journal=journal,
-                    progress=step(i, stone.name),
-                )
-            )
-            if folder is not None:
-                say(f"written: {write_tolerance_figure(studies[-1], folder / f'{stem}-tolerance.png')}")
+    studies = study_each(
+        loaded, "tolerance", out,
+        lambda stone, journal, progress: study_tolerance(
+            stone, unknown_of(stone), **study, options=options, journal=journal, progress=progress
+        ),
+        write_tolerance_figure,
+    )  # fmt: skip
     print_records(
         form,
         tables=lambda: [tolerance_table(studies)],
-        values=lambda: [study.to_dict() for study in studies],
-        records=lambda: [record for study in studies for record in tolerance_records(study)],
+        values=lambda: [each.to_dict() for each in studies],
+        records=lambda: [record for each in studies for record in tolerance_records(each)],
     )
 
 

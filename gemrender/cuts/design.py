@@ -23,7 +23,7 @@ from gemrender.stone.polyhedron import intersect
 from gemrender.stone.solid import convex_solid
 from gemrender.stone.stone import Stone
 
-__all__ = ["MOST_FACETS", "Design", "Tier", "names_text"]
+__all__ = ["MOST_FACETS", "Design", "Tier", "first_of_twins", "names_text"]
 
 #: Most facets of a design; of 2,270 designs the largest has 637.
 MOST_FACETS = 5000
@@ -216,7 +216,7 @@ class Design:
             The facets do not close.
         """
         planes = self.planes().real
-        used = np.unique(_first_of_twins(planes))
+        used = np.unique(first_of_twins(planes))
         body = intersect(planes[used])
         corners = [np.empty((0, 3))] * len(planes)
         for place, facet in enumerate(used.tolist()):
@@ -245,7 +245,7 @@ class Design:
         planes, names, kinds = self.planes().real, self.facet_names(), self.kinds()
         if not len(planes):
             raise InputError("has no facets")
-        first, notes = _first_of_twins(planes), list(self.notes)
+        first, notes = first_of_twins(planes), list(self.notes)
         twins = [
             name for name, number, own in zip(names, first, range(len(first)), strict=True) if number != own
         ]
@@ -312,7 +312,7 @@ def names_text(names: Sequence[str]) -> str:
     return ", ".join(names[:MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
 
 
-def _first_of_twins(planes: np.ndarray) -> np.ndarray:
+def first_of_twins(planes: np.ndarray) -> np.ndarray:
     """Return the number of the first plane that is the same as each of these (n, 4), (n,) int64."""
     scaled = planes / [1.0, 1.0, 1.0, planes[:, 3].max() or 1.0]
     first = np.arange(len(planes))

@@ -6,7 +6,7 @@ import itertools
 import math
 import os
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import asdict, fields, replace
+from dataclasses import fields, replace
 from decimal import Decimal, InvalidOperation
 from functools import cache
 from typing import Any
@@ -376,7 +376,7 @@ def varied(base: Stone, setting: Mapping[str, Value]) -> Stone:
 
 
 def _proportions(base: Stone, proportions: RoundBrilliant, setting: Mapping[str, Value]) -> RoundBrilliant:
-    values: dict[str, Any] = asdict(proportions)
+    values: dict[str, Any] = proportions.values()
     values |= {key: value for key, value in setting.items() if key in RANGES}
     crown_angle = setting.get("crown_angle")
     if crown_angle is None and "crown_height" not in setting and values["table"] != proportions.table:

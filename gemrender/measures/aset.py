@@ -45,7 +45,15 @@ class Aset(Measure):
         "tied",
         "weighted_tied",
     )
-    smooth_keys = (*_SHOWN, "trapped", "tied")
+    smooth_keys = (
+        *_SHOWN,
+        "trapped",
+        "tied",
+        *(f"weighted_{name}" for name in _SHOWN),
+        "surface",
+        "rest",
+        "weighted_tied",
+    )
     is_axial = True
 
     def contributions(self, light: Light) -> np.ndarray:

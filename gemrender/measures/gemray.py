@@ -23,6 +23,7 @@ class GemRay(SkyMeasure):
     version = 1
     source = "GemRay 1.2.0"
     keys = ("value", "internal", "surface", "tied", "table", "table_share")
+    smooth_keys = keys
 
     def __init__(self, sky: str) -> None:
         super().__init__(sky)
@@ -36,7 +37,7 @@ class GemRay(SkyMeasure):
     def contributions(self, light: Light) -> np.ndarray:
         """Return what counts by GemRay's rules, (n, 6): together, inside, surface, tied, table, its share."""
         paths = light.paths
-        is_counted = (paths.reflections < MOST_HITS) & (light.arriving >= LEAST_WEIGHT)
+        is_counted = (paths.reflections < MOST_HITS) & (light.arriving.real >= LEAST_WEIGHT)
         internal, surface, tied, tied_surface = sky_light(light, self.sky)
         internal, tied = is_counted * internal, is_counted * tied + tied_surface
         together = internal + surface
@@ -49,5 +50,5 @@ class GemRay(SkyMeasure):
         """Return per cent of the view, and of the table for `table`: NaN where there is none."""
         out = super().values(sums, area)
         with np.errstate(divide="ignore", invalid="ignore"):
-            out[..., 4] = np.where(sums[..., 5] > 0.0, 100.0 * sums[..., 4] / sums[..., 5], np.nan)
+            out[..., 4] = np.where(sums[..., 5].real > 0.0, 100.0 * sums[..., 4] / sums[..., 5], np.nan)
         return out

@@ -34,6 +34,7 @@ INTENSITY, REAR, TRAPPED, LOST, BANDS, MET, N_SUMS = 0, 1, 2, 3, 4, 10, 11
 _MISSED, _EXITED, _TRAPPED, _LOST = map(int, RayStatus)
 #: Lower edges of the bands of intensity but the last, brightest first, as shares of the light.
 BAND_EDGES = (0.75, 0.60, 0.45, 0.30, 0.15)
+_FALLING = -np.array(BAND_EDGES)
 
 
 def rear_mask(paths: Paths, model: Model) -> np.ndarray:
@@ -64,8 +65,9 @@ def path_intensity(cos_entry: np.ndarray, cos_exit: np.ndarray, model: Model) ->
     (n,) array like them
         Shares, 0 to 1.
     """
-    index = model.index
-    share = transmittance(cos_entry, index, model.fresnel) * transmittance(cos_exit, index, model.fresnel)
+    index, both = model.index, np.concatenate([cos_entry, cos_exit])
+    share = transmittance(both, index, model.fresnel)
+    share = share[: len(cos_entry)] * share[len(cos_entry) :]
     if model.intensity == "radiance":
         return np.asarray(share)
     in_stone = np.sqrt((index**2 - 1.0 + cos_entry**2) / (index**2 - 1.0 + cos_exit**2))
@@ -118,7 +120,7 @@ def sum_up(
 
 def _columns(paths: Paths, rear: np.ndarray, intensity: np.ndarray) -> np.ndarray:
     """Return the sum that the area of each path belongs to, (n,): REAR, TRAPPED, LOST or a band's."""
-    column = BANDS + np.searchsorted(-np.array(BAND_EDGES), -intensity, side="left")
+    column = BANDS + np.searchsorted(_FALLING, -intensity, side="left")
     column[rear] = REAR
     column[paths.status == _TRAPPED] = TRAPPED
     column[paths.status == _LOST] = LOST

@@ -10,11 +10,17 @@ from gemrender.measures.measure import Light, Measure, in_columns
 
 __all__ = ["HEAD_WORDS", "SKIES", "Iso", "SkyMeasure", "sky_light"]
 
+
+def _root(squared: np.ndarray) -> np.ndarray:
+    """Return the square root, 0 of what rounding has made less than 0; complex where that is."""
+    return np.asarray(np.sqrt(np.where(squared.real > 0.0, squared, 0.0)))
+
+
 #: Brightness of each sky at a cosine d with the viewer's zenith, 0 < d <= 1; and as a formula.
 SKIES: dict[str, tuple[Callable[[np.ndarray], np.ndarray], str]] = {
     "iso": (np.ones_like, "1"),
     "cos": (np.asarray, "d"),
-    "sc2": (lambda d: 2.0 * d * np.sqrt(np.maximum(1.0 - d**2, 0.0)), "2 d sqrt(1 - d^2)"),
+    "sc2": (lambda d: 2.0 * d * _root(1.0 - d**2), "2 d sqrt(1 - d^2)"),
 }
 #: What formulas of skies mean by h, and how ties count.
 HEAD_WORDS = (
@@ -63,6 +69,7 @@ class SkyMeasure(Measure):
     """
 
     keys: tuple[str, ...] = ("value", "internal", "surface", "tied")
+    smooth_keys: tuple[str, ...] = keys
     is_axial = True
 
     def __init__(self, sky: str) -> None:

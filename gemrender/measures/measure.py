@@ -219,9 +219,8 @@ class Measure:
     views : {"one", "hemisphere"}
         Whether it is of one view, or a sum over all views from above.
     smooth_keys : tuple of str
-        Names of the values that can be differentiated: principal paths alone make them, and `contributions`
-        and `values` are analytic. Of complex paths, whose imaginary parts are derivatives, they yield complex
-        numbers, and decide by real parts.
+        Names of the values that can be differentiated: `contributions` and `values` are analytic. Of complex
+        paths, whose imaginary parts are derivatives, they yield complex numbers, and decide by real parts.
     needs_normals : bool
         Whether it needs the normals of paths (`Paths.entry_normal`, `Paths.unfolded_exit_normal`).
     """

@@ -123,7 +123,9 @@ class Tally:
 
 def bounds_of_sets(values: np.ndarray) -> np.ndarray:
     """Return the bounds (k,) that values of sets (SETS, k) give their mean, with a confidence of 99.9 %."""
-    return np.asarray(STUDENT_T / np.sqrt(SETS) * values.std(axis=0, ddof=1))
+    apart = values - np.add.reduce(values) / len(values)
+    deviation = np.sqrt(np.add.reduce(apart * apart) / (len(values) - 1))  # `std` takes twice as long
+    return np.asarray(STUDENT_T / np.sqrt(SETS) * deviation)
 
 
 def _sums(paths: Paths, added: np.ndarray, n_sets: int) -> np.ndarray:

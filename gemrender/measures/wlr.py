@@ -28,6 +28,7 @@ class WlrLike(Measure):
     source = "after Hemphill, Reinitz, Johnson & Shigley, Gems & Gemology 34, 158 (1998)"
     channels = ("returned", "fallen")
     unit = ""
+    smooth_keys = ("value",)
     is_axial = True
     views = "hemisphere"
 

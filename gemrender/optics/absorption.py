@@ -15,7 +15,15 @@ import numpy as np
 
 from gemrender.optics.tabulated import Table
 
-__all__ = ["DIAMOND_GRADES", "blue_sapphire", "cape_diamond", "fancy_yellow", "ruby"]
+__all__ = [
+    "DIAMOND_GRADES",
+    "amethyst",
+    "blue_sapphire",
+    "cape_diamond",
+    "fancy_yellow",
+    "rhodolite",
+    "ruby",
+]
 
 #: Wavelengths of the rows [nm]. N3's line, 3 nm wide, is the narrowest thing there.
 _WAVELENGTHS_NM = np.arange(360.0, 831.0)
@@ -60,6 +68,40 @@ def blue_sapphire() -> Table:
             + _line(388, 0.3, 8)
             + _line(377, 0.35, 8)
             + _rise(330, 0.4, 1500)
+        )
+    )
+
+
+def amethyst() -> Table:
+    """Return the absorption of an amethyst [1/mm].
+
+    Fe4+ in quartz, ordinary ray: the band at 545 nm (Lehmann & Moore, Science 152, 1061 (1966)) and that at
+    357 nm (Hassan & Cohen, Am. Mineral. 59, 709 (1974)). Its strength is for a stone of some 10 mm.
+    """
+    return _table(
+        0.2 * (_band(18350, 1.0, below=3600, above=4600) + _band(28000, 0.9, below=5200, above=5200))
+    )
+
+
+def rhodolite() -> Table:
+    """Return the absorption of a rhodolite, a pyrope-almandine garnet [1/mm].
+
+    Fe2+ in garnet: bands at 504, 520 to 527 and 573 nm, and weak ones at 423, 460, 610 and 685 nm (GIA, Gem
+    Reference Guide (1988)), which overlap, and the rise to the ultraviolet. Manning, Can. Mineral. 9, 237
+    (1967), told them apart in almandine and pyrope.
+    """
+    return _table(
+        0.3
+        * (
+            _line(504, 0.8, 20)
+            + _line(526, 0.55, 24)
+            + _line(573, 0.7, 36)
+            + _line(423, 0.15, 14)
+            + _line(460, 0.28, 24)
+            + _line(610, 0.1, 28)
+            + _line(685, 0.05, 36)
+            + _band(19600, 0.3, below=2800, above=5200)
+            + _rise(400, 0.7, 3600)
         )
     )
 

@@ -104,7 +104,7 @@ def transmittance_gubelin(cos_air: np.ndarray) -> np.ndarray:
         Cosine of the angle of incidence on the air's side, 0 to 1; where it is complex its imaginary part is
         a derivative, and so is the result's.
     """
-    cos = np.clip(np.real(cos_air), 0.0, 1.0)
+    cos = np.minimum(np.maximum(np.real(cos_air), 0.0), 1.0)
     angle_deg = np.degrees(np.arccos(cos))
     reflected = np.interp(angle_deg, GUBELIN_ANGLES_DEG, GUBELIN_REFLECTED)
     if not np.iscomplexobj(cos_air):

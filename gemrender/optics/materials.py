@@ -64,6 +64,11 @@ def _crystals() -> dict[str, Material]:
             "Wood & Nassau, Appl. Opt. 21, 2978 (1982), 12 % Y2O3",
         ),
         _crystal(
+            "garnet", "cauchy", (1.73709, 0.007957), (430, 687), 3.84,
+            "GIA, Gem Reference Guide (1988): index 1.760 and dispersion 0.026 of rhodolite",
+            "pyrope-almandine, without its colour, which is rhodolite",
+        ),
+        _crystal(
             "moissanite", "pole", (6.57232, 0.1401, 0.03178, -0.02153), (435.8, 2325), 3.22,
             "Wang et al., Laser Photonics Rev. 7, 831 (2013), 6H, ordinary", _ORDINARY,
         ),
@@ -107,6 +112,14 @@ _COLOURS: dict[str, _Colour] = {
     ),
     "blue sapphire": _Colour(
         crystal="sapphire", absorption=absorption.blue_sapphire, source="Ferguson & Fielding (1971)"
+    ),
+    "amethyst": _Colour(
+        crystal="quartz",
+        absorption=absorption.amethyst,
+        source="Lehmann & Moore (1966), Hassan & Cohen (1974)",
+    ),
+    "rhodolite": _Colour(
+        crystal="garnet", absorption=absorption.rhodolite, source="GIA (1988), Manning (1967)"
     ),
     "fancy yellow diamond": _Colour(
         crystal="diamond", absorption=absorption.fancy_yellow, source="Dyer et al. (1965), Collins (1982)"

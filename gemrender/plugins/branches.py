@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import drjit as dr
 import mitsuba as mi
 
+from gemrender.plugins.rough import scattered
 from gemrender.plugins.stones import RAY_OFFSET, reflectance
 from gemrender.plugins.walk import LATE, LATE_SURVIVAL
 
@@ -108,9 +109,9 @@ def split(stones, stone, p, d, n, β, parted, wavelengths, time, chance, depth, 
 
     Returns
     -------
-    (radiance, branches)
-        Light and sky that the branches outside end on; and of each wavelength one of those that end on
-        something else, where wavelengths do not part of all together.
+    (radiance, branches, part)
+        Light and sky that the branches outside end on; of each wavelength one of those that end on something
+        else, where wavelengths do not part of all together; and where each has ways of its own.
     """
     L = mi.Spectrum(0)
     cos_air = -dr.dot(n, d)
@@ -135,9 +136,26 @@ def split(stones, stone, p, d, n, β, parted, wavelengths, time, chance, depth, 
     ways = [stones.enter(entering, eta, d, n, cos_air, mi.UInt32(k), part) for k in range(stones.n_ways)]
     β_in, n_in, d_in = stones.enter(entering, eta, d, n, cos_air, channel, part)
     start = mi.Point3f(stones.inwards(p, n))
+    inside = mi.Bool(active)
+
+    # A rough girdle: one way by chance, with all the light, and of one wavelength where they part.
+    if dr.hint(stones.any_rough, mode="scalar"):
+        alpha = stones.roughness(stone, n, active)
+        rough = active & (alpha > 0)
+        β_one, n_one = stones.one_wavelength(β, eta, part, chance)
+        d_one, outside = scattered(d, n, active, n_one, alpha, chance, rough)
+        side &= ~rough | outside
+        inside &= ~(rough & outside)
+        side_d = dr.select(rough, d_one, side_d)
+        side_β = dr.select(rough, β_one, side_β)
+        side_parted |= rough & part & mi.Bool(stones.n_ways > 1)
+        β_in = dr.select(rough, β_one * dr.select(part, stones.parting_weight(), mi.Spectrum(1)), β_in)
+        n_in, d_in = dr.select(rough, n_one, n_in), dr.select(rough, d_one, d_in)
+        part &= ~rough
+        left = dr.select(rough, 0, left)
+
     p, d = mi.Point3f(start), mi.Vector3f(d_in)
     in_depth = depth + 1
-    inside = mi.Bool(active)
     drawn = [Branch.none() for _ in range(stones.n_ways)]
 
     while dr.hint(inside | side, label="split by a stone"):
@@ -160,15 +178,24 @@ def split(stones, stone, p, d, n, β, parted, wavelengths, time, chance, depth, 
         leaves = inside & (sin2 < 1)
         cos_t = dr.safe_sqrt(1 - sin2)
         back = dr.select(leaves, reflectance(cos_t, cos_i, n_in), 1)
+        d_out = n_in * (d - cos_i * n) + cos_t * n
+        d_back = d - 2 * cos_i * n
+        if dr.hint(stones.any_rough, mode="scalar"):
+            alpha = stones.roughness(stone, n, inside)
+            rough = inside & (alpha > 0)
+            d_one, outside = scattered(d, n, mi.Bool(False), n_in, alpha, chance, rough)
+            leaves = dr.select(rough, outside, leaves)
+            back = dr.select(rough, dr.select(outside, mi.Float(0), 1), back)
+            d_out, d_back = dr.select(rough, d_one, d_out), dr.select(rough, d_one, d_back)
         side = leaves & (in_depth + 2 <= max_depth)
         side_o = mi.Point3f(p + RAY_OFFSET * stones.size * n)
-        side_d = dr.normalize(n_in * (d - cos_i * n) + cos_t * n)
+        side_d = dr.normalize(d_out)
         side_β = β_in * (1 - back)
         side_parted = mi.Bool(in_parted)
         side_way = dr.select(part, channel, mi.UInt32(0))
         side_depth = in_depth + 1
         β_in *= back
-        d = d - 2 * cos_i * n
+        d = d_back
         p = stones.inwards(p, n)
         in_depth += 1
 
@@ -191,4 +218,4 @@ def split(stones, stone, p, d, n, β, parted, wavelengths, time, chance, depth, 
             p = dr.select(again, start, p)
             in_depth = dr.select(again, depth + 1, in_depth)
             inside |= again
-    return L, drawn
+    return L, drawn, part

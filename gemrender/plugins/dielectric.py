@@ -56,6 +56,17 @@ class GemDielectric(mi.BSDF):
        - Size of a scene unit, for absorption [mm]. (Default: 1.0)
        -
 
+     * - girdle_alpha
+       - |float|
+       - Roughness of the girdle, alpha of GGX's distribution; 0 is polished. With ``gem_path`` only.
+         (Default: 0)
+       -
+
+     * - axis
+       - |vector|
+       - The stone's axis, table up: the girdle's facets are those across it. (Default: 0, 0, 1)
+       -
+
     A smooth dielectric with unpolarised Fresnel reflectance, whose radiance is scaled by the squared index as
     Mitsuba's own ``dielectric`` does. With ``gem_path``, each wavelength has its own index, and the material
     absorbs on the way.
@@ -97,6 +108,14 @@ class GemDielectric(mi.BSDF):
         self.unit_mm = number(props, "unit_mm", 1.0)
         if not self.unit_mm > 0:
             raise InputError("must be above 0", key="unit_mm", value=self.unit_mm)
+        #: Roughness of the girdle, and the stone's axis (3,).
+        self.girdle_alpha = number(props, "girdle_alpha", 0.0)
+        if not 0 <= self.girdle_alpha <= 1:
+            raise InputError("must be from 0 to 1", key="girdle_alpha", value=self.girdle_alpha)
+        axis = np.array(props.get("axis", mi.ScalarVector3f(0, 0, 1)), dtype=np.float64)
+        if not 0 < np.linalg.norm(axis) < np.inf:
+            raise InputError("must be a vector that is not 0", key="axis", value=axis.tolist())
+        self.axis = axis / np.linalg.norm(axis)
         grid = np.arange(FIRST_NM, LAST_NM + 1, dtype=np.float64)
         of_range = np.clip(grid, *VISIBLE_NM)
         index = self.material.index(of_range)

@@ -258,7 +258,7 @@ class PathIntegrator(mi.SamplingIntegrator):
 
             walks = arrives & first_diffuse & last_diffuse & walking
             splits = arrives & ~walks
-            Le, drawn = split(
+            Le, drawn, part = split(
                 stones, stone, si.p, d, n, β, parted, ray.wavelengths, ray.time,
                 chance, depth, max_depth, direct, splits,
             )  # fmt: skip
@@ -266,7 +266,7 @@ class PathIntegrator(mi.SamplingIntegrator):
 
             # ---- What a wavelength's way ends on is lit, of each; the first goes on, for all ----
 
-            part = arrives & ~parted & stones.disperses(stone, arrives)
+            part |= walks & ~parted & stones.disperses(stone, walks)
             eta = stones.index(stone, ray.wavelengths, arrives)
             hero = drawn[0]
             way = mi.UInt32(0)

@@ -62,6 +62,12 @@ class Stones:
             np.concatenate([np.zeros(N_ROWS), *(s.absorption_table for s in surfaces)])
         )
         self.any_absorbs = any(s.absorbs for s in surfaces)
+        alphas = [s.girdle_alpha for s in surfaces]
+        #: Whether any has a rough girdle.
+        self.any_rough = any(alphas)
+        if self.any_rough:
+            self.alphas = mi.Float([0.0, *alphas])
+            self.axes = [mi.Float([0.0, *(s.axis[k] for s in surfaces)]) for k in range(3)]
         monochrome, rgb = mi.is_monochromatic, mi.is_rgb
         parts = [s.disperses or (rgb and s.absorbs) for s in surfaces]
         self.any_parts = any(parts) and not monochrome
@@ -208,7 +214,28 @@ class Stones:
         values = [tabulated(table, stone * N_ROWS, row_of(nm), active) for nm in channels]
         return mi.Spectrum(values if mi.is_spectral else values[0])
 
+    def one_wavelength(
+        self, throughput: mi.Spectrum, eta: mi.Spectrum, part: mi.Bool, chance: mi.PCG32
+    ) -> tuple[mi.Spectrum, mi.Float]:
+        """Return throughput and index of a path that goes on with one wavelength, drawn where they part."""
+        if not mi.is_spectral:
+            return mi.Spectrum(throughput), mi.Float(eta[0])
+        n = len(eta)
+        drawn = dr.minimum(mi.UInt32(chance.next_float32() * n), n - 1)
+        channel = dr.select(part, drawn, self.alive(throughput))
+        index, out = mi.Float(eta[0]), mi.Spectrum(throughput)
+        for k in range(n):
+            index = dr.select(channel == k, eta[k], index)
+            out[k] = dr.select(part, dr.select(channel == k, n * throughput[k], 0), throughput[k])
+        return out, index
+
     # ---- Geometry ----
+
+    def roughness(self, stone: mi.UInt32, n: mi.Vector3f, active: mi.Bool) -> mi.Float:
+        """Return the roughness of a facet by its outward normal: that of the girdle, else 0."""
+        axis = mi.Vector3f(*(dr.gather(mi.Float, values, stone, active) for values in self.axes))
+        level = dr.abs(dr.dot(axis, n)) < _LEVEL
+        return dr.select(level, dr.gather(mi.Float, self.alphas, stone, active), 0)
 
     def outward(self, si: mi.SurfaceInteraction3f, stone: mi.UInt32, active: mi.Bool) -> mi.Vector3f:
         """Return the outward normal of a stone that was hit, of other surfaces the shading normal."""
@@ -297,6 +324,8 @@ class Stones:
         return _nearer_cylinder(of(self.cylinders), p, d, t, n)
 
 
+#: Facets whose normal is as much across the axis are the girdle's [cosine]: single precision, with a margin.
+_LEVEL = 1e-4
 #: No surface is as far [scene unit].
 _NOTHING = 1e30
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import drjit as dr
 import mitsuba as mi
 
+from gemrender.plugins.rough import scattered
 from gemrender.plugins.stones import RAY_OFFSET, reflectance, refracted
 
 __all__ = ["LATE", "LATE_SURVIVAL", "walk"]
@@ -18,8 +19,8 @@ LATE, LATE_SURVIVAL = 1024, 0.98
 def walk(stones, stone, p, d, n, β, index, wavelengths, chance, depth, max_depth, active):  # type: ignore[no-untyped-def]  # dr.syntax
     """Follow rays that meet a stone from outside until they leave it, reflected at once or refracted twice.
 
-    Both directions of light are followed alike: the shares are the same, and radiance's factor n^2 of the
-    way in is undone on the way out.
+    Both directions of light are followed alike: the shares are the same, rough girdles scatter alike either
+    way, and radiance's factor n^2 of the way in is undone on the way out.
 
     Parameters
     ----------
@@ -52,9 +53,16 @@ def walk(stones, stone, p, d, n, β, index, wavelengths, chance, depth, max_dept
     left = active & (chance.next_float32() < reflectance(cos_air, cos_stone, index))
     out_o = mi.Point3f(p + RAY_OFFSET * stones.size * n)
     out_d = mi.Vector3f(d + 2 * cos_air * n)
+    d_in = mi.Vector3f(refracted(d, n, cos_air, cos_stone, 1 / index))
+    if dr.hint(stones.any_rough, mode="scalar"):
+        alpha = stones.roughness(stone, n, active)
+        rough = active & (alpha > 0)
+        d_one, outside = scattered(d, n, active, index, alpha, chance, rough)
+        left = dr.select(rough, outside, left)
+        out_d, d_in = dr.select(rough, d_one, out_d), dr.select(rough, d_one, d_in)
     inside = active & ~left
     p = mi.Point3f(stones.inwards(p, n))
-    d = refracted(d, n, cos_air, cos_stone, 1 / index)
+    d = mi.Vector3f(d_in)
     depth = mi.UInt32(depth + 1)
     while dr.hint(inside, label="walk through a stone"):
         t, n, met = stones.next_surface(stone, p, d, inside)
@@ -66,12 +74,20 @@ def walk(stones, stone, p, d, n, β, index, wavelengths, chance, depth, max_dept
         cos_t = dr.safe_sqrt(1 - sin2)
         back = dr.select(sin2 < 1, reflectance(cos_t, cos_i, index), 1)
         leaves = inside & (chance.next_float32() >= back)
+        d_out = index * (d - cos_i * n) + cos_t * n
+        d_back = d - 2 * cos_i * n
+        if dr.hint(stones.any_rough, mode="scalar"):
+            alpha = stones.roughness(stone, n, inside)
+            rough = inside & (alpha > 0)
+            d_one, outside = scattered(d, n, mi.Bool(False), index, alpha, chance, rough)
+            leaves = dr.select(rough, outside, leaves)
+            d_out, d_back = dr.select(rough, d_one, d_out), dr.select(rough, d_one, d_back)
         out_o = dr.select(leaves, p + RAY_OFFSET * stones.size * n, out_o)
-        out_d = dr.select(leaves, dr.normalize(index * (d - cos_i * n) + cos_t * n), out_d)
+        out_d = dr.select(leaves, dr.normalize(d_out), out_d)
         depth = dr.select(inside, depth + 1, depth)
         left |= leaves
         inside &= ~leaves
-        d = d - 2 * cos_i * n
+        d = d_back
         p = stones.inwards(p, n)
         late = inside & (depth > LATE)
         inside &= ~late | (chance.next_float32() < LATE_SURVIVAL)

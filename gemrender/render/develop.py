@@ -1,13 +1,12 @@
 """From XYZ to a picture for the screen: exposure, curve, gamut and sRGB encoding.
 
-What is done to a pixel, in order: adapt the scene's white to D65, go to linear sRGB, expose, bend the
-luminance by the curve, mix with grey into the gamut, encode. Each step keeps the hue in the sense of
-linear sRGB: a pixel only ever moves along the line from its colour to the grey of its luminance.
+What is done to a pixel, in order: adapt the scene's white to D65, go to linear sRGB, expose, bend by the
+curve (see `curves`), mix with grey into the gamut, encode. Each step but the curve `agx` keeps the hue in the
+sense of linear sRGB: a pixel only ever moves in the plane of its colour and grey.
 """
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -19,6 +18,7 @@ from gemrender.colorimetry import (
     matrix_to_linear_srgb,
 )
 from gemrender.errors import InputError
+from gemrender.render.curves import CURVES, MID_GREY, apply_curve, filmic_gain
 
 __all__ = [
     "CURVES",
@@ -26,17 +26,12 @@ __all__ = [
     "EXPOSURE_RANGE",
     "MID_GREY",
     "auto_exposure",
+    "decode_srgb",
     "develop",
     "encode_srgb",
     "filmic_gain",
     "fit_gamut",
 ]
-
-#: Names of the tone curves, as on the command line.
-CURVES = ("linear", "filmic")
-
-#: Luminance that the filmic curve leaves as it is: a grey card's 18 %.
-MID_GREY = 0.18
 
 #: Largest correction of the exposure [EV], either way.
 EV_LIMIT = 20.0
@@ -50,9 +45,6 @@ EXPOSED_PERCENTILE = 98.0
 
 #: Luminance that the automatic exposure brings that percentile to.
 EXPOSED_TO = 0.9
-
-#: Coefficients a, b, c, d and e of the filmic curve (Narkowicz 2015, see `filmic_gain`).
-_FILMIC = (2.51, 0.03, 2.43, 0.59, 0.14)
 
 #: Pixels developed at a time: a few MB, so that a large picture needs little more than itself.
 _BLOCK_PIXELS = 1 << 17
@@ -89,25 +81,6 @@ def auto_exposure(luminance: Any, mask: Any = None, *, ev: float = 0.0) -> float
     if level <= 0 and mask is not None:  # a stone that is black nearly all over
         return auto_exposure(np.where(counted, luminance, 0), ev=ev)
     return float(2.0**ev * (EXPOSED_TO / level if level > 0 else 1.0))
-
-
-def filmic_gain(luminance: Any) -> np.ndarray:
-    """Return the filmic curve's output over its input, (...) as the luminance.
-
-    The curve is Krzysztof Narkowicz's fit to the ACES reference output, "ACES Filmic Tone Mapping Curve"
-    (2015): x (a x + b) / (x (c x + d) + e). Its input is scaled here (by 0.723) such that `MID_GREY` stays
-    in place; 1 becomes 0.73, and white is reached at 10.01. Applied to the luminance, not to each channel,
-    which would pull strong colours to the hues of the primaries: fire is to keep its hue.
-
-    Parameters
-    ----------
-    luminance : array_like (...)
-        Luminance after exposure; below 0 counts as 0.
-    """
-    a, b, c, d, e = _FILMIC
-    scale = _filmic_scale()
-    x = np.maximum(luminance, 0) * scale
-    return np.asarray(scale * (a * x + b) / (x * (c * x + d) + e))
 
 
 def fit_gamut(rgb: Any) -> np.ndarray:
@@ -147,6 +120,12 @@ def encode_srgb(linear: Any) -> np.ndarray:
     return np.asarray(np.where(values <= 0.0031308, 12.92 * values, 1.055 * values ** (1 / 2.4) - 0.055))
 
 
+def decode_srgb(encoded: Any) -> np.ndarray:
+    """Return the linear values (...) of encoded ones, cut to 0 to 1: the inverse of `encode_srgb`."""
+    values = np.clip(encoded, 0, 1)
+    return np.asarray(np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4))
+
+
 def develop(xyz: Any, *, white_xyz: Any, exposure: float, curve: str = "filmic") -> np.ndarray:
     """Return the picture for the screen (h, w, 3), uint8, sRGB.
 
@@ -174,24 +153,14 @@ def develop(xyz: Any, *, white_xyz: Any, exposure: float, curve: str = "filmic")
     low, high = EXPOSURE_RANGE
     _check_number(exposure, "exposure", low, high, f"must be a number from {low:g} to {high:g}")
     matrix = exposure * matrix_to_linear_srgb() @ adaptation_matrix(white_xyz)
-    weights = luminance_weights()
     pixels = image.reshape(-1, 3)
     developed = np.empty(pixels.shape, dtype=np.uint8)
     for start in range(0, len(pixels), _BLOCK_PIXELS):
         block = pixels[start : start + _BLOCK_PIXELS].astype(np.float64)
         block[~np.isfinite(block).all(axis=-1)] = 0
-        rgb = block @ matrix.T
-        if curve == "filmic":
-            rgb *= filmic_gain(rgb @ weights)[:, None]
+        rgb = apply_curve(curve, block @ matrix.T)
         developed[start : start + _BLOCK_PIXELS] = np.rint(255 * encode_srgb(fit_gamut(rgb)))
     return developed.reshape(image.shape)
-
-
-def _filmic_scale() -> float:
-    """Return the factor on the curve's input that leaves `MID_GREY` where it is: the quadratic's root."""
-    a, b, c, d, e = _FILMIC
-    p, q, r = a - MID_GREY * c, b - MID_GREY * d, -MID_GREY * e
-    return (-q + math.sqrt(q * q - 4 * p * r)) / (2 * p * MID_GREY)
 
 
 def _check_number(value: Any, key: str, low: float, high: float, allowed: str) -> None:

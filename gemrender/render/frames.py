@@ -1,4 +1,4 @@
-"""Turntables: frames that are kept as they are done, and a film of them in the end."""
+"""Films: frames that are kept as they are done, and a film of them in the end."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ from gemrender.render.film_files import check_film, encode_film
 from gemrender.render.finish import denoised, developed, exposure_of
 from gemrender.render.photoreal import render
 from gemrender.render.picture_files import write_png
-from gemrender.scene.photoreal import Gem
+from gemrender.scene.moves import Move
+from gemrender.scene.photoreal import Gem, title_of
 from gemrender.scene.setup import Setup
 from gemrender.writing import TEMPORARY_PREFIX, write_whole
 
@@ -36,13 +37,18 @@ def render_film(
     *,
     frames: int,
     fps: float,
+    move: Move,
     ev: float,
     curve: str,
     denoise: bool,
     progress: Callable[[int], Callable[[float], None]],
     **options: Any,
 ) -> Path:
-    """Render one turn of the stones about the vertical as a film.
+    """Render stones that move as a film, a loop without a seam.
+
+    All frames have one seed, and random numbers belong to the place in the picture: what stands still in it
+    is the same in all of them, noise included, and the noise of a stone does not run over it from frame to
+    frame.
 
     Frames are kept in a folder beside the film, named after it, until the film is written. Where that folder
     holds frames of the same film, only the missing ones are rendered, and those that are no longer what its
@@ -55,7 +61,9 @@ def render_film(
     gems, setup : sequence of Gem, Setup
         What it shows.
     frames, fps : int, float
-        Number of frames of the whole turn, and how many a second shows.
+        Number of frames of the whole loop, and how many a second shows.
+    move : Move
+        How the stones move.
     ev, curve, denoise : float, str, bool
         As for still pictures. The exposure of the first frame is that of all.
     progress : callable
@@ -72,24 +80,23 @@ def render_film(
     """
     check_film(path, options["width"], options["height"], frames, fps)
     folder = path.with_name(f"{path.name}.frames")
-    head = {"film": _fingerprint(gems, setup, frames, ev, curve, denoise, options)}
+    head = {"film": _fingerprint(gems, setup, frames, move, ev, curve, denoise, options)}
     files = [folder / f"{k:05d}.png" for k in range(frames)]
-    about = {"title": ", ".join(f"{gem.stone.name} ({gem.material.name})" for gem in gems)}
-    about["description"] = f"set-up {setup.name}, one turn in {frames} frames"
+    about = {"title": title_of(gems)}
+    moved = "one turn" if move.type == "turntable" else f"{move.type} by {move.to_deg:g} degrees"
+    about["description"] = f"set-up {setup.name}, {moved} in {frames} frames"
     with _journal(folder, head, frames) as journal:
         exposure = _exposure(journal)
         for k, file in enumerate(files):
             if journal.known.get(k) == (exposure, _digest(file)):
                 continue
-            picture = render(
-                gems, setup, turn_deg=360.0 * k / frames, turntable=True, progress=progress(k), **options
-            )
+            picture = render(gems, setup, move=move, share=k / frames, progress=progress(k), **options)
             if picture.stopped == "interrupted":  # a frame that is not done is none
                 raise KeyboardInterrupt
             if denoise:
-                picture = denoised(picture)
+                picture = denoised(picture, clamp=True)
             if exposure is None:
-                exposure = exposure_of(picture, setup, ev=ev)
+                exposure = exposure_of(picture, setup, ev=ev, curve=curve)
             write_png(file, developed(picture, setup, exposure=exposure, curve=curve))
             journal.add(k, exposure, _digest(file))
         # Encoded in there first, where what a killed process leaves is found and removed.

@@ -19,8 +19,9 @@ __all__ = ["FIRST_NM", "LAST_NM", "Passes", "check_range"]
 PASS_SAMPLES = 1 << 21
 #: Pixels of a tile at most, so that a pass spreads several samples over each.
 _TILE_PIXELS = 1 << 18
-#: Steps of what a camera sample is drawn by: pixel x and y, wavelength, lens u and v.
-_STEPS = roberts_steps(5)
+#: Steps of what a camera sample is drawn by, in 2^-32: pixel x and y, wavelength, lens u and v. Roberts' R4
+#: sequence, and for the fifth number, which is needed through a thin lens only, the square root of 2.
+_STEPS = (*roberts_steps(4), round((math.sqrt(2.0) - 1.0) * 2**32))
 
 #: Rounds of the cipher that makes numbers of pixel and seed: with Mitsuba's default of 4, neighbouring pixels
 #: and the two halves, whose seeds are neighbours, get numbers that go together; from 6 on none that do.
@@ -169,6 +170,14 @@ class Passes:
     def xyz(self) -> np.ndarray:
         """CIE 1931 XYZ, (h, w, 3) float32; equal-energy radiance 1 has Y = 1."""
         return self._mean(slice(0, 3))
+
+    @property
+    def halves(self) -> np.ndarray | None:
+        """Luminance by each of the two halves, (2, h, w) float32; None before two passes."""
+        if min(self._counts) == 0:
+            return None
+        counts = np.array(self._counts, dtype=np.float32)[:, None]
+        return (self._halves[:, :, 1] / counts).reshape(2, self.height, self.width)
 
     @property
     def albedo(self) -> np.ndarray:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,12 +14,23 @@ from gemrender.optics import carat_to_girdle_diameter_mm, load_material
 from gemrender.optics.material import DIAMETER_RANGE_MM
 from gemrender.render.backend import ensure_variant
 from gemrender.render.passes import Passes
+from gemrender.render.picture import Foreground, Picture
 from gemrender.scene.loading import load_scene
+from gemrender.scene.moves import Move
 from gemrender.scene.photoreal import Gem, photoreal_scene
 from gemrender.scene.setup import Setup
 from gemrender.stone import Stone
 
-__all__ = ["DEFAULT_VARIANT", "Foreground", "Picture", "make_gems", "render", "require_denoiser"]
+__all__ = [
+    "DEFAULT_VARIANT",
+    "Foreground",
+    "Picture",
+    "check_ends",
+    "check_variant",
+    "make_gems",
+    "render",
+    "require_denoiser",
+]
 
 DEFAULT_VARIANT = "llvm_ad_spectral"
 #: Diameter of a stone whose size neither the user nor its file states [mm]: of round diamonds about 1 carat.
@@ -31,75 +41,6 @@ FILTER_RADIUS = 1.0
 FEW_PIXELS = 64
 #: Share of samples that may be left out, as they are no light: by far less than what is seen.
 MOST_UNSOUND = 1e-4
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Foreground:
-    """What a picture shows of stones alone, for a transparent background.
-
-    Values are premultiplied: a pixel half of which shows a stone has half the stone's light. What is seen
-    in and through the stones belongs to them; ground, lights and sky beside them do not.
-
-    Attributes
-    ----------
-    xyz : (h, w, 3) float32
-        As of the picture.
-    normal : (h, w, 3) float32
-        Of the stones' first surface.
-    alpha : (h, w) float32
-        Share of the pixel's samples that meet a stone before anything else.
-    """
-
-    xyz: np.ndarray
-    normal: np.ndarray
-    alpha: np.ndarray
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Picture:
-    """What was rendered, in linear values.
-
-    Attributes
-    ----------
-    xyz : (h, w, 3) float32
-        CIE 1931 XYZ; equal-energy radiance 1 has Y = 1.
-    albedo, normal : (h, w, 3) float32
-        Of the first surface.
-    coverage : (h, w) float32
-        Share of the pixel that shows a surface.
-    spectrum : (h, w, bins) float32
-        Mean radiance in each bin; where there is a foreground, its.
-    bins_nm : (bins + 1,) float64 or None
-        Edges of the bins [nm].
-    samples : int
-        Samples a pixel.
-    noise : float
-        Root mean square error of luminance, as a share of its mean; of which pixels, `noise_of` says.
-    noise_of : {"stones", "picture"}
-        The pixels whose middle shows a stone, or all, where there are none of those.
-    left_out : int
-        Samples, of all pixels, that were left out, as their radiance was negative or not finite.
-    seconds : float
-        Time it took [s].
-    stopped : {"samples", "noise", "time", "interrupted"}
-        Why it ended.
-    foreground : Foreground or None
-        The stones alone, where the background is transparent.
-    """
-
-    xyz: np.ndarray
-    albedo: np.ndarray
-    normal: np.ndarray
-    coverage: np.ndarray
-    spectrum: np.ndarray
-    bins_nm: np.ndarray | None
-    samples: int
-    noise: float
-    noise_of: str = "stones"
-    left_out: int = 0
-    seconds: float
-    stopped: str
-    foreground: Foreground | None = None
 
 
 def make_gems(
@@ -184,10 +125,12 @@ def render(
     dispersion: bool = True,
     bins_nm: Sequence[float] | None = None,
     turn_deg: float = 0.0,
-    turntable: bool = False,
+    move: Move | None = None,
+    share: float = 0.0,
     transparent: bool = False,
     variant: str = DEFAULT_VARIANT,
     progress: Callable[[float], None] | None = None,
+    on_pass: Callable[[Picture, float], object] | None = None,
 ) -> Picture:
     """Render stones in a set-up.
 
@@ -214,7 +157,7 @@ def render(
         Whether the index depends on the wavelength.
     bins_nm : sequence of float, optional
         Edges of spectral bins [nm].
-    turn_deg, turntable : float, bool
+    turn_deg, move, share : float, Move, float
         As for `photoreal_scene`.
     transparent : bool
         Whether the stones are also kept by themselves, for a transparent background. Nothing else changes:
@@ -223,6 +166,9 @@ def render(
         Spectral Mitsuba variant; set, and left set.
     progress : callable, optional
         Called with the share done, 0 to 1.
+    on_pass : callable, optional
+        Called after each pass with the picture so far and the share done. If it returns False, that is an
+        interruption.
 
     Raises
     ------
@@ -240,9 +186,8 @@ def render(
     GemrenderWarning
         Some samples had one, and were left out; or no stone is seen.
     """
-    _check_ends(spp, noise, time_limit, seed)
-    if not variant.endswith("_spectral"):
-        raise InputError("must be a spectral variant, as llvm_ad_spectral", key="variant", value=variant)
+    check_ends(spp, noise, time_limit, seed)
+    check_variant(variant)
     ensure_variant(variant)
     started = time.perf_counter()
     scene = photoreal_scene(
@@ -252,7 +197,8 @@ def render(
         height=height,
         dispersion=dispersion,
         turn_deg=turn_deg,
-        turntable=turntable,
+        move=move,
+        share=share,
     )
     passes = Passes(
         load_scene(scene.to_dict()),
@@ -261,27 +207,44 @@ def render(
         bins_nm=bins_nm,
         foreground=transparent,
     )
-    stopped = _run(passes, spp, noise, time_limit, started, progress)
+
+    def so_far(stopped: str) -> Picture:
+        return Picture(
+            xyz=passes.xyz,
+            albedo=passes.albedo,
+            normal=passes.normal,
+            coverage=passes.coverage,
+            spectrum=passes.spectrum,
+            bins_nm=passes.bins_nm,
+            samples=passes.samples,
+            noise=passes.noise(),
+            noise_of="stones" if passes.stone_pixels.any() else "picture",
+            left_out=passes.unsound,
+            seconds=time.perf_counter() - started,
+            stopped=stopped,
+            foreground=_foreground(passes),
+            halves=passes.halves,
+            gems=tuple(gems),
+            setup=setup,
+            seed=seed,
+        )
+
+    def shown(share: float, stopped: str) -> bool:
+        """Show the picture so far to who wants it; return whether to go on."""
+        if progress is not None:
+            progress(share)
+        if on_pass is None or passes.samples == 0:
+            return True
+        answer = on_pass(so_far(stopped), share)
+        return not isinstance(answer, (bool, np.bool_)) or bool(answer)
+
+    stopped = _run(passes, spp, noise, time_limit, started, shown)
     if passes.unsound:
         warnings.warn(f"{_left_out_text(passes)}; they are left out", GemrenderWarning, stacklevel=2)
     if width * height >= FEW_PIXELS and not passes.stone_pixels.any():
         told = "no stone is seen in the picture: something stands between them and the camera"
         warnings.warn(told, GemrenderWarning, stacklevel=2)
-    return Picture(
-        xyz=passes.xyz,
-        albedo=passes.albedo,
-        normal=passes.normal,
-        coverage=passes.coverage,
-        spectrum=passes.spectrum,
-        bins_nm=passes.bins_nm,
-        samples=passes.samples,
-        noise=passes.noise(),
-        noise_of="stones" if passes.stone_pixels.any() else "picture",
-        left_out=passes.unsound,
-        seconds=time.perf_counter() - started,
-        stopped=stopped,
-        foreground=_foreground(passes),
-    )
+    return so_far(stopped)
 
 
 def _run(
@@ -290,33 +253,45 @@ def _run(
     noise: float | None,
     time_limit: float | None,
     started: float,
-    progress: Callable[[float], None] | None,
+    shown: Callable[[float, str], bool],
 ) -> str:
-    """Add passes until one of the ends is reached; return which."""
+    """Add passes until one of the ends is reached, or who is shown them wants no more; return which."""
     try:
         while True:
-            left = None if spp is None else spp - passes.samples
-            if left == 0:
-                return "samples"
-            elapsed = time.perf_counter() - started
-            if passes.samples and time_limit is not None:
-                a_pass = elapsed * passes.samples_of_a_pass() / passes.samples
-                if elapsed + 0.5 * a_pass > time_limit:
-                    return "time"
-            found = passes.noise()
-            if noise is not None and found <= noise:
-                return "noise"
-            if progress is not None:
-                progress(_share(passes.samples, spp, found, noise, elapsed, time_limit))
+            elapsed, found = time.perf_counter() - started, passes.noise()
+            end = _end(passes, spp, noise, time_limit, elapsed, found)
+            share = 1.0 if end else _share(passes.samples, spp, found, noise, elapsed, time_limit)
+            if not shown(share, end or "interrupted"):
+                return end or "interrupted"
+            if end:
+                return end
             most = passes.samples_of_a_pass()
             if spp is not None:
                 most = min(most, -(-spp // 2))  # two passes at least: their difference tells the noise
-            passes.add(most if left is None else min(most, left))
+            passes.add(most if spp is None else min(most, spp - passes.samples))
             _check_sound(passes)
     except KeyboardInterrupt:
         if passes.samples == 0:
             raise
         return "interrupted"
+
+
+def _end(
+    passes: Passes,
+    spp: int | None,
+    noise: float | None,
+    time_limit: float | None,
+    elapsed: float,
+    found: float,
+) -> str:
+    """Return which end is reached, after so many seconds and at a noise that was found; else ''."""
+    if spp == passes.samples:
+        return "samples"
+    if passes.samples and time_limit is not None:
+        a_pass = elapsed * passes.samples_of_a_pass() / passes.samples
+        if elapsed + 0.5 * a_pass > time_limit:
+            return "time"
+    return "noise" if noise is not None and found <= noise else ""
 
 
 def _foreground(passes: Passes) -> Foreground | None:
@@ -356,7 +331,26 @@ def _share(
     return max(shares)
 
 
-def _check_ends(spp: int | None, noise: float | None, time_limit: float | None, seed: int) -> None:
+def check_variant(variant: str) -> None:
+    """Check that a variant is spectral; whether there is such a one, Mitsuba tells.
+
+    Raises
+    ------
+    InputError
+        It is not.
+    """
+    if not isinstance(variant, str) or not variant.endswith("_spectral"):
+        raise InputError("must be a spectral variant, as llvm_ad_spectral", key="variant", value=variant)
+
+
+def check_ends(spp: int | None, noise: float | None, time_limit: float | None, seed: int) -> None:
+    """Check where rendering ends, and its seed.
+
+    Raises
+    ------
+    InputError
+        No end at all, or a value out of range.
+    """
     if spp is None and noise is None and time_limit is None:
         raise InputError("needs a number of samples, a noise or a time to end at", key="spp", value=spp)
     if spp is not None and not 1 <= spp <= 1 << 24:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import re
 from collections.abc import Mapping
@@ -18,6 +19,7 @@ __all__ = [
     "SPECTRAL_ATTRIBUTES",
     "check_picture",
     "file_of",
+    "png_bytes",
     "software",
     "spectral_channel",
     "write_exr",
@@ -115,16 +117,15 @@ def write_png(path: str | os.PathLike[str], rgb8: Any, text: Mapping[str, str] |
         written.
     """
     path = file_of(path)
-    pixels = check_picture(rgb8, str(path))
-    texts = {"Software": software(), **(text or {})}
-    for keyword, value in texts.items():
-        if not re.fullmatch(r"(?! )[ -~¡-ÿ]{1,79}(?<! )", keyword) or "  " in keyword:
-            allowed = "must be a keyword of 1 to 79 Latin-1 characters, without spare spaces"
-            raise InputError(allowed, source=str(path), key="text", value=keyword)
-        if not isinstance(value, str) or "\0" in value or not _is_unicode(value):
-            allowed = "must be text, without null characters"
-            raise InputError(allowed, source=str(path), key=keyword, value=value)
+    pixels, texts = check_picture(rgb8, str(path)), _checked_texts(text or {}, str(path))
     return write_whole(path.parent, {path.name: lambda made: _write_png(made, pixels, texts)})[0]
+
+
+def png_bytes(rgb8: Any, text: Mapping[str, str] | None = None) -> bytes:
+    """Return what `write_png` would write of the same picture and texts."""
+    made = io.BytesIO()
+    _write_png(made, check_picture(rgb8, "PNG"), _checked_texts(text or {}, "PNG"))
+    return made.getvalue()
 
 
 def software() -> str:
@@ -193,7 +194,20 @@ def _is_unicode(text: str) -> bool:
     return not any("\ud800" <= character <= "\udfff" for character in text)
 
 
-def _write_png(path: Path, pixels: np.ndarray, texts: Mapping[str, str]) -> None:
+def _checked_texts(text: Mapping[str, str], source: str) -> dict[str, str]:
+    """Return what a PNG file says, by keyword."""
+    texts = {"Software": software(), **text}
+    for keyword, value in texts.items():
+        if not re.fullmatch(r"(?! )[ -~¡-ÿ]{1,79}(?<! )", keyword) or "  " in keyword:
+            allowed = "must be a keyword of 1 to 79 Latin-1 characters, without spare spaces"
+            raise InputError(allowed, source=source, key="text", value=keyword)
+        if not isinstance(value, str) or "\0" in value or not _is_unicode(value):
+            allowed = "must be text, without null characters"
+            raise InputError(allowed, source=source, key=keyword, value=value)
+    return texts
+
+
+def _write_png(file: Path | io.BytesIO, pixels: np.ndarray, texts: Mapping[str, str]) -> None:
     from PIL import Image
     from PIL.PngImagePlugin import PngInfo
 
@@ -201,4 +215,4 @@ def _write_png(path: Path, pixels: np.ndarray, texts: Mapping[str, str]) -> None
     info.add(b"sRGB", b"\0")  # for looking: perceptual intent
     for keyword, text in texts.items():
         info.add_itxt(keyword, text)
-    Image.fromarray(pixels).save(path, "png", pnginfo=info)
+    Image.fromarray(pixels).save(file, "png", pnginfo=info)

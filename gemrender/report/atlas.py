@@ -15,7 +15,7 @@ from gemrender.optics.materials import refractive_index
 from gemrender.report.displays import save_figure
 from gemrender.report.lettering import name_fonts
 from gemrender.stone import Stone
-from gemrender.sweep.atlas_map import STEEPER, AtlasMap, cliffs, parameter_of, two_mains_limit
+from gemrender.sweep.atlas.map import STEEPER, AtlasMap, cliffs, parameter_of, two_mains_limit
 from gemrender.writing import write_whole
 
 if TYPE_CHECKING:

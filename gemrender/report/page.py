@@ -74,7 +74,7 @@ SCRIPTS = (
 _ASSETS = resources.files("gemrender.report").joinpath("assets")
 
 
-def write_report(stones: Iterable[Shown], path: str | os.PathLike[str]) -> Path:
+def write_report(stones: Iterable[Shown], path: str | os.PathLike[str], further: str = "") -> Path:
     """Write the report of some stones, whole or not at all; a file that is there is replaced.
 
     Parameters
@@ -83,6 +83,8 @@ def write_report(stones: Iterable[Shown], path: str | os.PathLike[str]) -> Path:
         One for each stone, in the order of the page; taken one after the other, and no maps are kept.
     path : str or path-like
         The HTML file to write.
+    further : str
+        HTML that stands beneath the stones, as of `gemrender.report.page_sections`.
 
     Returns
     -------
@@ -95,7 +97,7 @@ def write_report(stones: Iterable[Shown], path: str | os.PathLike[str]) -> Path:
         No stones, too many, or a file that cannot be written.
     """
     target = check_target(path)
-    page = report_html(stones).encode("utf-8", errors="replace")
+    page = report_html(stones, further).encode("utf-8", errors="replace")
     try:
         write_whole(target.parent, {target.name: lambda file: file.write_bytes(page)})
     except InputError as error:
@@ -143,8 +145,8 @@ def check_target(path: str | os.PathLike[str]) -> Path:
     return target
 
 
-def report_html(stones: Iterable[Shown]) -> str:
-    """Return the report of some stones as one HTML page that needs nothing else.
+def report_html(stones: Iterable[Shown], further: str = "") -> str:
+    """Return the report of some stones as one HTML page that needs nothing else; parameters as above.
 
     Raises
     ------
@@ -156,6 +158,7 @@ def report_html(stones: Iterable[Shown]) -> str:
     parts = {
         "title": html.escape(f"{_title([stone['name'] for stone in data['stones']])} – gemrender"),
         "style": _asset("page.css"),
+        "further": further,
         "data": _json(data),
         "three": f"/*!\n{licence}\n*/\n{_asset('three.min.js')}",
         "scripts": "\n".join(f"<script>\n{_asset(f'{name}.js')}\n</script>" for name in SCRIPTS),

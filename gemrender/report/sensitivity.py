@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from gemrender.sweep.cliffs import Cliff
 
 __all__ = [
+    "cliff_cells",
     "cliffs_table",
     "measure_slopes_table",
     "parameter_name",
@@ -49,7 +50,7 @@ def parameter_name(derivative: Derivative | Cliff) -> str:
     """Return the parameter in words, with what is kept where that matters."""
     name = _NAMES.get(derivative.parameter)
     if name is None:
-        is_tier = derivative.kept == "tiers"
+        is_tier = derivative.kept in ("tiers", "middles", "meets")
         name = derivative.parameter if is_tier else derivative.parameter.replace("_", " ").capitalize()
     if derivative.parameter in ("table", "culet"):
         name += ", heights kept" if derivative.kept == "proportions" else ", angles kept"
@@ -102,6 +103,10 @@ def measure_slopes_table(sensitivities: Sequence[Sensitivity]) -> TextTable:
     table.note(
         "Where the slopes on both sides differ their mean is told, and half of the difference is in ±."
     )
+    table.note(
+        "Else ± is the error (99.9 %) of what rays tell: light near a round girdle, light that has been "
+        "reflected in part so often that polygons follow it no further, and measures over all views."
+    )
     return table
 
 
@@ -114,7 +119,7 @@ def cliffs_table(names: Sequence[str], cliffs: Sequence[Sequence[Cliff]]) -> Tex
     for name, of_stone in zip(names, cliffs, strict=True):
         pairs = zip(of_stone[::2], of_stone[1::2], strict=True)
         for number, (below, above) in enumerate(pairs):
-            cells = [cell for cliff in (below, above) for cell in _cliff_cells(cliff)]
+            cells = [cell for cliff in (below, above) for cell in cliff_cells(cliff)]
             words = parameter_name(below)
             first = "" if number else name
             table.rows.append([first, words, _SIGNS[below.unit], f"{below.value:.3f}", *cells])
@@ -123,7 +128,8 @@ def cliffs_table(names: Sequence[str], cliffs: Sequence[Sequence[Cliff]]) -> Tex
     return table
 
 
-def _cliff_cells(cliff: Cliff) -> tuple[str, str]:
+def cliff_cells(cliff: Cliff) -> tuple[str, str]:
+    """Return where the next jump is, and what jumps most there, as cells of a table."""
     largest = cliff.largest
     if cliff.at is None or largest is None:
         end = cliff.value + (-1 if cliff.side == "below" else 1) * cliff.searched

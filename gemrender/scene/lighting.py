@@ -8,14 +8,18 @@ import numpy as np
 
 from gemrender.colorimetry import (
     adapt,
+    adaptation_matrix,
     colour_spectrum,
     colour_xyz,
     illuminant_spectrum,
+    matrix_to_linear_srgb,
     white_xyz,
     xyz_to_linear_srgb,
 )
 from gemrender.scene.placing import towards
 from gemrender.scene.setup import Light, Setup
+from gemrender.scene.sky_boxes import draw_studio
+from gemrender.scene.sky_image import environment, read_sky_image
 from gemrender.scene.zones import Zone, layers
 
 __all__ = ["lights", "reflectance", "sky"]
@@ -118,6 +122,8 @@ def sky(setup: Setup, target: np.ndarray, stock: bool) -> dict[str, Any]:
         for k, (_, _, zone) in enumerate(bands, start=1):
             zones[f"radiance_{k}"] = 0.0 if zone is None else _colour(zone, setup, stock)
         return {"sky": zones}
+    if of.type in ("image", "studio"):
+        return {"sky": _image_sky(setup, stock)}
     radiance = _emission(of.radiance, of.spectrum, setup, stock)
     if of.type == "uniform":
         return {"sky": {"type": "constant", "radiance": radiance}}
@@ -132,6 +138,26 @@ def sky(setup: Setup, target: np.ndarray, stock: bool) -> dict[str, Any]:
         "sky": {"type": "constant", "radiance": radiance},
         "below": {"type": "disk", "to_world": floor, "bsdf": black},
     }
+
+
+def _image_sky(setup: Setup, stock: bool) -> dict[str, Any]:
+    """Return a sky that is an image, or drawn as one."""
+    of = setup.sky
+    if of.type == "image":
+        pixels = read_sky_image(of.image)
+        to_rgb = np.eye(3)
+        if stock:
+            to_rgb = _stock_matrix(setup) @ np.linalg.inv(matrix_to_linear_srgb())
+    else:
+        pixels = draw_studio(of.boxes, radiance=of.radiance, spectrum=of.spectrum)
+        to_rgb = _stock_matrix(setup) if stock else matrix_to_linear_srgb()
+    rgb = np.maximum(pixels @ to_rgb.T.astype(np.float32), 0)
+    return environment(rgb, azimuth_deg=of.azimuth, scale=of.scale, stock=stock)
+
+
+def _stock_matrix(setup: Setup) -> np.ndarray:
+    """Return the matrix (3, 3) from XYZ to linear sRGB, of which white is the set-up's."""
+    return np.asarray(matrix_to_linear_srgb() @ adaptation_matrix(white_xyz(setup.white)))
 
 
 def _can_of_zones(setup: Setup, axis: np.ndarray, target: np.ndarray) -> dict[str, Any]:

@@ -9,6 +9,7 @@ import numpy as np
 from gemrender.scene.convex import PlacedSolid, placed_solid
 from gemrender.scene.loading import load_scene
 from gemrender.scene.placing import Placed
+from gemrender.scene.smooth import PlainMesh
 from gemrender.stone import Stone, StoneMesh, tessellate
 
 __all__ = [
@@ -18,6 +19,7 @@ __all__ = [
     "carried_planes",
     "mesh_solid",
     "placed_mesh",
+    "plain_mesh",
     "stone_mesh",
     "sweep_mesh",
     "tube_mesh",
@@ -86,10 +88,11 @@ def sweep_mesh(
     wall: float,
     bend: float,
     azimuth_deg: float,
+    level: float = 0.0,
     bsdf: dict[str, Any] | None = None,
     name: str = "ground",
 ) -> Any:
-    """Build a photographer's sweep: the plane z = 0 that bends up to a wall.
+    """Build a photographer's sweep: a level plane that bends up to a wall.
 
     Parameters
     ----------
@@ -97,6 +100,8 @@ def sweep_mesh(
         Half of its width and of its height, distance of the wall, and radius of the bend [scene unit].
     azimuth_deg : float
         Where the wall stands [deg].
+    level : float
+        Height of the plane [scene unit].
 
     Returns
     -------
@@ -104,7 +109,7 @@ def sweep_mesh(
     """
     angle = np.linspace(0, np.pi / 2, 49)
     y = np.concatenate([[-half_width], wall - bend + bend * np.sin(angle), [wall]])
-    z = np.concatenate([[0.0], bend - bend * np.cos(angle), [2 * half_width]])
+    z = level + np.concatenate([[0.0], bend - bend * np.cos(angle), [2 * half_width]])
     ny = np.concatenate([[0.0], -np.sin(angle), [-1.0]])
     nz = np.concatenate([[1.0], np.cos(angle), [0.0]])
     n = len(y)
@@ -115,6 +120,16 @@ def sweep_mesh(
     turn = np.radians(azimuth_deg - 90)
     to_place = np.array([[np.cos(turn), np.sin(turn), 0], [-np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
     return _mesh(name, positions @ to_place, normals @ to_place, faces, bsdf)
+
+
+def plain_mesh(mesh: PlainMesh, *, bsdf: dict[str, Any] | None = None, name: str = "thing") -> Any:
+    """Build a mesh that is no stone.
+
+    Returns
+    -------
+    mi.Mesh
+    """
+    return _mesh(name, mesh.positions, mesh.normals, mesh.faces, bsdf)
 
 
 def tube_mesh(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -11,18 +11,30 @@ import numpy as np
 
 from gemrender.errors import InputError
 from gemrender.optics import Material
+from gemrender.scene.beside import beside
 from gemrender.scene.lighting import lights, reflectance, sky
 from gemrender.scene.mesh import placed_mesh, sweep_mesh, tube_mesh
+from gemrender.scene.moves import Move
 from gemrender.scene.placing import Placed, frame, place, towards
-from gemrender.scene.setup import Setup
-from gemrender.stone import Stone
+from gemrender.scene.settings import make_setting
+from gemrender.scene.setup import Light, Setup
+from gemrender.scene.surfaces import GROUND
+from gemrender.stone import ConvexSolid, Stone
+from gemrender.stone.solid import with_chords
 
-__all__ = ["MOST_PIXELS", "Gem", "PhotorealScene", "photoreal_scene"]
+__all__ = ["MOST_PIXELS", "Gem", "PhotorealScene", "photoreal_scene", "title_of"]
 
+#: How many times as large set-ups may be made, that a row of stones has room.
+_GROWN = tuple(1.25**k for k in range(12))
 #: Longest side of a picture [pixels].
 MOST_PIXELS = 16384
 #: Half a width of grounds [girdle radius]: their edge is out of sight.
 _WIDE = 60.0
+#: Level facets of a round girdle that is faceted, as brilliants have 64 or more.
+GIRDLE_FACETS = 64
+#: How far below the stones the ground is for Mitsuba's own plugins [girdle radius]: level with a facet that
+#: lies on it, it would take half of the light that is reflected there, in the stone. `gem_path` knows better.
+_STOCK_GAP = 1e-4
 #: How much wider than its stone a cup is.
 _LOOSE = 1.0005
 
@@ -47,6 +59,11 @@ class Gem:
     material: Material
     material_name: str | float
     diameter_mm: float
+
+
+def title_of(gems: Sequence[Gem]) -> str:
+    """Return what a picture of stones is called: the stones and their materials."""
+    return ", ".join(f"{gem.stone.name} ({gem.material.name})" for gem in gems)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -99,7 +116,8 @@ def photoreal_scene(
     dispersion: bool = True,
     stock: bool = False,
     turn_deg: float = 0.0,
-    turntable: bool = False,
+    move: Move | None = None,
+    share: float = 0.0,
     samples: int = 64,
 ) -> PhotorealScene:
     """Return the scene of stones in a set-up.
@@ -120,20 +138,28 @@ def photoreal_scene(
         absorption, colours as RGB.
     turn_deg : float
         Turn of the stones about the vertical [deg].
-    turntable : bool
-        Whether the camera leaves room for all turns.
+    move : Move, optional
+        How the stones move in a film; the camera leaves room for all of it.
+    share : float
+        Share of the film that is over, 0 to 1.
     samples : int
         Samples a pixel where Mitsuba renders the scene.
 
     Raises
     ------
     InputError
-        A size that no picture has, or a camera too near.
+        A size that no picture has, a camera too near, a mesh that cuts a stone, or a move that a cup does not
+        allow.
     """
     for key, side in (("width", width), ("height", height)):
         if not 1 <= side <= MOST_PIXELS:
             raise InputError(f"must be from 1 to {MOST_PIXELS} [pixels]", key=f"size: {key}", value=side)
+    if setup.girdle == "faceted":
+        gems = [replace(gem, stone=_faceted(gem.stone)) for gem in gems]
     first_mm = gems[0].diameter_mm
+    settings = None
+    if setup.setting.type != "none":
+        settings = [make_setting(g.stone, setup.setting.type, radius_mm=0.5 * g.diameter_mm) for g in gems]
     placed = place(
         [gem.stone for gem in gems],
         pose=setup.pose,
@@ -141,13 +167,27 @@ def photoreal_scene(
         gap=setup.gap,
         azimuth_deg=setup.camera.azimuth,
         sizes=[gem.diameter_mm / first_mm for gem in gems],
+        settings=settings,
     )
-    points = np.concatenate([p.points() for p in placed])
-    target = np.array([0.0, 0.0, 0.5 * (points[:, 2].min() + points[:, 2].max())])
+    if settings is not None:
+        setup = setup.grown(max(p.growth() for p in placed))
+    heights = np.concatenate([p.shown_points()[:, 2] for p in placed])
+    target = np.array([0.0, 0.0, 0.5 * (heights.min() + heights.max())])
+    stones = [p.turned(turn_deg) for p in placed] if turn_deg else placed
+    seen = placed
+    if move is not None:
+        move.check_ground(setup.ground.type)
+        from_camera, on_ground = setup.camera.azimuth, setup.ground.type != "none"
+        every = move.all_placed(stones, azimuth_deg=from_camera, on_ground=on_ground)
+        seen = [stone for places in every for stone in places]
+        stones = move.placed(stones, share, azimuth_deg=from_camera, on_ground=on_ground)
+    points = np.concatenate([p.shown_points() for p in seen])
     reach = float(np.hypot(*points[:, :2].T).max())
+    if len(gems) > 1:
+        setup = _with_room(setup, target, reach, float(points[:, 2].max()))
     try:
         _check_apart(setup, target, reach, float(points[:, 2].max()))
-        view = _sensor(setup, placed, target, width, height, turntable, samples)
+        view = _sensor(setup, seen, target, width, height, samples)
     except InputError as error:
         raise error.at(setup.source or setup.name) from error
     scene: dict[str, Any] = {
@@ -159,20 +199,22 @@ def photoreal_scene(
         scene["integrator"]["rr_depth"] = 32
     scene |= lights(setup, target, stock)
     scene |= sky(setup, target, stock)
-    stones = tuple(p.turned(turn_deg) if turn_deg else p for p in placed)
     built: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {}
+    wide = _WIDE if settings is None else max(_WIDE, 4 * setup.camera.distance)
     paper = {"type": "diffuse", "reflectance": reflectance(setup.ground.reflectance, stock)}
+    gap = _STOCK_GAP if stock else 0.0
     if setup.ground.type == "plane":
-        scene["ground"] = {"type": "disk", "to_world": _scaled(_WIDE), "bsdf": paper}
+        scene["ground"] = {"type": "disk", "to_world": _lowered(gap) @ _scaled(wide), "bsdf": paper}
     elif setup.ground.type == "sweep":
         # Towards the wall that stands behind the stones, as the camera sees them
         wall = max(setup.ground.distance, 2.5 * reach)  # the bend begins beyond the stones
         build = partial(
             sweep_mesh,
-            half_width=_WIDE,
+            half_width=wide,
             wall=wall,
             bend=0.6 * wall,
             azimuth_deg=setup.camera.azimuth + 180,
+            level=-gap,
         )
         built["ground"] = (build, {"type": "twosided", "bsdf": paper})
     elif setup.ground.type == "cup":
@@ -181,10 +223,15 @@ def photoreal_scene(
                 scene[f"cup_{k}"] = _cup(stone, paper)
             else:
                 built[f"cup_{k}"] = (_outline_cup(stone), {"type": "twosided", "bsdf": paper})
-    surfaces = tuple(_surface(gem, first_mm, dispersion, stock) for gem in gems)
+    built |= beside(setup, stones, settings, radius_mm=0.5 * first_mm, stock=stock)
+    surfaces = tuple(
+        _surface(gem, first_mm, dispersion, stock)
+        | ({} if stock or setup.girdle != "bruted" else _bruted(stone))
+        for gem, stone in zip(gems, stones, strict=True)
+    )
     return PhotorealScene(
         plain=scene,
-        stones=stones,
+        stones=tuple(stones),
         surfaces=surfaces,
         built=built,
     )
@@ -203,17 +250,30 @@ def _check_apart(setup: Setup, target: np.ndarray, reach: float, height: float) 
             value=setup.camera.elevation,
         )
     for number, light in enumerate(setup.lights, start=1):
-        middle = target + light.distance * towards(light.elevation, light.azimuth)
-        half = 0.5 * float(np.hypot(*light.size))
-        # Of the cylinder that the stones take up, and the ball that the light does
-        beside = max(float(np.hypot(middle[0], middle[1])) - reach, 0.0)
-        above = max(float(middle[2]) - height, -float(middle[2]), 0.0)
-        if np.hypot(beside, above) <= half and light.shape != "ring":
+        if _is_near(light, target, reach, height):
             raise InputError(
                 f"too near: the stones reach {reach:.3g} girdle radii from the middle",
                 key=f"light {number}.distance",
                 value=light.distance,
             )
+
+
+def _is_near(light: Light, target: np.ndarray, reach: float, height: float) -> bool:
+    """Whether a light is where stones are: the ball that it takes up meets the cylinder that they do."""
+    middle = target + light.distance * towards(light.elevation, light.azimuth)
+    half = 0.5 * float(np.hypot(*light.size))
+    beside = max(float(np.hypot(middle[0], middle[1])) - reach, 0.0)
+    above = max(float(middle[2]) - height, -float(middle[2]), 0.0)
+    return bool(np.hypot(beside, above) <= half and light.shape != "ring")
+
+
+def _with_room(setup: Setup, target: np.ndarray, reach: float, height: float) -> Setup:
+    """Return the set-up, or for a row of stones that reaches its lights a larger one."""
+    for scale in _GROWN:
+        grown = setup if scale == 1.0 else setup.grown(scale)
+        if not any(_is_near(light, target, reach, height) for light in grown.lights):
+            return grown
+    return setup
 
 
 def _surface(gem: Gem, first_mm: float, dispersion: bool, stock: bool) -> dict[str, Any]:
@@ -228,20 +288,34 @@ def _surface(gem: Gem, first_mm: float, dispersion: bool, stock: bool) -> dict[s
     }
 
 
+def _faceted(stone: Stone) -> Stone:
+    """Return a stone with level facets in place of a round girdle, within it; others stay as they are."""
+    solid = stone.solid
+    if not isinstance(solid, ConvexSolid) or not solid.is_round:
+        return stone
+    planes = with_chords(solid.planes, GIRDLE_FACETS)
+    facet = np.full(len(planes), solid.n_facets - 1)
+    facet[: len(solid.facet)] = solid.facet
+    return replace(stone, solid=ConvexSolid(planes=planes, facet=facet), cut=None, labelled_vertices=None)
+
+
+def _bruted(placed: Placed) -> dict[str, Any]:
+    """Return what makes the girdle of a stone's surface rough."""
+    return {"girdle_alpha": GROUND, "axis": placed.rotation[:, 2].tolist()}
+
+
 def _sensor(
     setup: Setup,
-    placed: list[Placed],
+    seen: list[Placed],
     target: np.ndarray,
     width: int,
     height: int,
-    turntable: bool,
     samples: int,
 ) -> dict[str, Any]:
     import mitsuba as mi
 
     camera = setup.camera
-    turns = [float(t) for t in range(0, 360, 10)] if turntable else [0.0]
-    origin, _, up, half = frame(camera, placed, target, width / height, turns)
+    origin, _, up, half = frame(camera, seen, target, width / height)
     to_world = mi.ScalarTransform4f().look_at(origin.tolist(), target.tolist(), up.tolist())
     film = {
         "type": "hdrfilm",
@@ -294,6 +368,12 @@ def _cup(placed: Placed, paper: dict[str, Any]) -> dict[str, Any]:
         "radius": _LOOSE * placed.scale,
         "bsdf": {"type": "twosided", "bsdf": paper},
     }
+
+
+def _lowered(by: float) -> Any:
+    import mitsuba as mi
+
+    return mi.ScalarTransform4f().translate([0.0, 0.0, -by])
 
 
 def _scaled(factor: float) -> Any:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,6 +13,7 @@ from gemrender.scene.resting import resting_plane
 from gemrender.stone import Stone, StoneMesh, tessellate
 
 if TYPE_CHECKING:
+    from gemrender.scene.settings import MadeSetting
     from gemrender.scene.setup import Camera
 
 __all__ = ["Placed", "frame", "place", "towards"]
@@ -31,6 +33,8 @@ class Placed:
     scale : float
     shift : (3,) float64
         A point p of the stone's frame comes to shift + scale * rotation p [scene unit].
+    beside : (n, 3) float64 or None
+        What a picture shows with the stone, such as its setting, in the stone's frame.
     """
 
     name: str
@@ -38,10 +42,23 @@ class Placed:
     rotation: np.ndarray
     scale: float
     shift: np.ndarray
+    beside: np.ndarray | None = None
 
     def points(self) -> np.ndarray:
         """Return the vertices in their place, (v, 3) [scene unit]."""
         return np.asarray(self.scale * self.mesh.vertices @ self.rotation.T + self.shift)
+
+    def shown_points(self) -> np.ndarray:
+        """Return the vertices with what is beside them, in their place, (n, 3) [scene unit]."""
+        if self.beside is None:
+            return self.points()
+        beside = self.scale * self.beside @ self.rotation.T + self.shift
+        return np.concatenate([self.points(), beside])
+
+    def growth(self) -> float:
+        """Return how many times as large the stone is with what is beside it."""
+        whole, alone = (0.5 * float(np.ptp(p, axis=0).max()) for p in (self.shown_points(), self.points()))
+        return max(1.0, whole / alone)
 
     def split_points(self) -> np.ndarray:
         """Return the vertices of `StoneMesh.split` in their place, (w, 3) [scene unit]."""
@@ -57,18 +74,27 @@ class Placed:
 
     def turned(self, turn_deg: float) -> Placed:
         """Return it turned about the vertical through the origin, anticlockwise seen from above [deg]."""
-        turn = _about_z(np.radians(turn_deg))
-        return Placed(
-            name=self.name,
-            mesh=self.mesh,
-            rotation=turn @ self.rotation,
-            scale=self.scale,
-            shift=turn @ self.shift,
-        )
+        return self.rotated(_about_z(np.radians(turn_deg)), about=np.zeros(3))
+
+    def rotated(self, rotation: np.ndarray, *, about: np.ndarray) -> Placed:
+        """Return it after a rotation (3, 3) about a point (3,) [scene unit]."""
+        shift = about + rotation @ (self.shift - about)
+        return replace(self, rotation=rotation @ self.rotation, shift=shift)
+
+    def shifted(self, by: np.ndarray) -> Placed:
+        """Return it moved by a vector (3,) [scene unit]."""
+        return replace(self, shift=self.shift + by)
 
 
 def place(
-    stones: list[Stone], *, pose: str, facing_deg: float, gap: float, azimuth_deg: float, sizes: list[float]
+    stones: list[Stone],
+    *,
+    pose: str,
+    facing_deg: float,
+    gap: float,
+    azimuth_deg: float,
+    sizes: list[float],
+    settings: list[MadeSetting] | None = None,
 ) -> list[Placed]:
     """Lay stones in a row that a camera sees from left to right, on the plane z = 0 about the origin.
 
@@ -86,25 +112,34 @@ def place(
         Azimuth of the camera [deg].
     sizes : list of float
         The unit of each, such as the girdle radius [scene unit].
+    settings : list of MadeSetting, optional
+        What each is held by, table up, and what then stands on the plane.
     """
     across = _about_z(np.radians(azimuth_deg + 90)) @ np.array([1.0, 0.0, 0.0])
     placed, edge = [], 0.0
-    for stone, size in zip(stones, sizes, strict=True):
-        rotation = _rotation(stone, pose, azimuth_deg + facing_deg)
+    held_by: list[MadeSetting | None] = [*settings] if settings else [None] * len(stones)
+    for stone, size, setting in zip(stones, sizes, held_by, strict=True):
         mesh = tessellate(stone)
-        points = size * mesh.vertices @ rotation.T
+        held = mesh.vertices
+        if setting is None:
+            rotation = _rotation(stone, pose, azimuth_deg + facing_deg)
+        else:
+            rotation = _about_z(np.radians(azimuth_deg + 90 + setting.turn_deg))
+            held = np.concatenate([held, setting.framed])
+        points = size * held @ rotation.T
         middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
         along = points @ across
-        shift = -np.array([middle[0], middle[1], points[:, 2].min()])
+        low = points[:, 2].min() if setting is None else size * setting.lowest
+        shift = -np.array([middle[0], middle[1], low])
         # Side by side along the row: from `edge` on, whatever the stone's outline there
         shift += (edge - along.min() - shift @ across) * across
         edge += float(np.ptp(along)) + gap
-        placed.append(Placed(name=stone.name, mesh=mesh, rotation=rotation, scale=size, shift=shift))
+        beside = None if setting is None else setting.framed
+        placed.append(
+            Placed(name=stone.name, mesh=mesh, rotation=rotation, scale=size, shift=shift, beside=beside)
+        )
     back = 0.5 * (edge - gap) * across
-    return [
-        Placed(name=p.name, mesh=p.mesh, rotation=p.rotation, scale=p.scale, shift=p.shift - back)
-        for p in placed
-    ]
+    return [replace(p, shift=p.shift - back) for p in placed]
 
 
 def towards(elevation_deg: float, azimuth_deg: float) -> np.ndarray:
@@ -114,7 +149,7 @@ def towards(elevation_deg: float, azimuth_deg: float) -> np.ndarray:
 
 
 def frame(
-    camera: Camera, placed: list[Placed], target: np.ndarray, aspect: float, turns_deg: list[float]
+    camera: Camera, stones: Iterable[Placed], target: np.ndarray, aspect: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
     """Return where the camera stands, its right and up, and half the width that it sees.
 
@@ -122,8 +157,8 @@ def frame(
     ----------
     camera : Camera
         The camera.
-    placed : list of Placed
-        What it must see, in all turns `turns_deg` [deg].
+    stones : iterable of Placed
+        What it must see; those that move in all their places.
     target : (3,) float64
         What it looks at.
     aspect : float
@@ -144,20 +179,19 @@ def frame(
     up = np.cross(back, right)
     origin = target + camera.distance * back
     half = 0.0
-    for turn in turns_deg:
-        for stone in placed:
-            to = stone.turned(turn).points() - origin
-            depth = -to @ back
-            if depth.min() <= 0.02 * camera.distance:
-                raise InputError(
-                    f"is too near to see {stone.name} from outside; its front is "
-                    f"{camera.distance - depth.min():.3g} girdle radii from the middle",
-                    key="camera.distance",
-                    value=camera.distance,
-                )
-            magnified = 1.0 if camera.type == "orthographic" else camera.distance / depth
-            x, y = np.abs(to @ right) * magnified, np.abs(to @ up) * magnified
-            half = max(half, float(x.max()), float(y.max()) * aspect)
+    for stone in stones:
+        to = stone.shown_points() - origin
+        depth = -to @ back
+        if depth.min() <= 0.02 * camera.distance:
+            raise InputError(
+                f"is too near to see {stone.name} from outside; its front is "
+                f"{camera.distance - depth.min():.3g} girdle radii from the middle",
+                key="camera.distance",
+                value=camera.distance,
+            )
+        magnified = 1.0 if camera.type == "orthographic" else camera.distance / depth
+        x, y = np.abs(to @ right) * magnified, np.abs(to @ up) * magnified
+        half = max(half, float(x.max()), float(y.max()) * aspect)
     return origin, right, up, half * camera.margin
 
 

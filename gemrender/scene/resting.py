@@ -35,9 +35,14 @@ def resting_plane(stone: Stone) -> np.ndarray:
     down = np.flatnonzero((body.planes[:, 2] <= LEVEL) & (np.diff(body.starts) > 2))
     normals = body.planes[down, :3]
     distances = body.planes[down, 3] - normals @ centre
-    stable = np.array([_is_above(body, int(plane), centre) for plane in down], dtype=bool)
-    if stable.any():
-        normals, distances = normals[stable], distances[stable]
+    stable: list[int] = []
+    for k in np.argsort(distances, kind="stable"):  # from the lowest on: few are looked at
+        if stable and distances[k] > (1 + _ALIKE) * distances[stable[0]]:
+            break
+        if _is_above(body, int(down[k]), centre):
+            stable.append(int(k))
+    if stable:
+        normals, distances = normals[sorted(stable)], distances[sorted(stable)]
     normals = normals[distances <= (1 + _ALIKE) * distances.min()]
     return np.asarray(normals[np.flatnonzero(normals[:, 2] <= normals[:, 2].min() + _SAME)[0]])
 

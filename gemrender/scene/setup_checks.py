@@ -8,7 +8,7 @@ from typing import Any
 from gemrender.errors import InputError
 from gemrender.reading import did_you_mean
 
-__all__ = ["RADIANCE_RANGE", "one_of", "radiance", "spectrum", "two_sizes", "within"]
+__all__ = ["RADIANCE_RANGE", "numbers", "one_line", "one_of", "radiance", "spectrum", "two_sizes", "within"]
 
 #: Radiances that are not 0: single precision holds what is left of the least after many reflections.
 RADIANCE_RANGE = (1e-20, 1e9)
@@ -20,6 +20,17 @@ def one_of(part: Any, key: str, allowed: Sequence[str]) -> None:
     if value not in allowed:
         hint = did_you_mean(value, allowed) if isinstance(value, str) else ""
         raise InputError(f"must be one of {', '.join(allowed)}{hint}", key=key, value=value)
+
+
+def numbers(part: Any, key: str, count: int, low: float, high: float) -> tuple[float, ...]:
+    """Return an attribute that is so many numbers in a range."""
+    value = getattr(part, key)
+    good = isinstance(value, (list, tuple)) and len(value) == count
+    for number in value if good else ():
+        good &= isinstance(number, (int, float)) and not isinstance(number, bool) and low <= number <= high
+    if not good:
+        raise InputError(f"must be {count} numbers from {low:g} to {high:g}", key=key, value=value)
+    return tuple(float(number) for number in value)
 
 
 def two_sizes(value: Any) -> tuple[float, float]:
@@ -42,6 +53,13 @@ def within(part: Any, key: str, low: float, high: float) -> None:
     number = isinstance(value, (int, float)) and not isinstance(value, bool)
     if not number or not low <= value <= high:  # false for NaN too
         raise InputError(f"must be a number from {low:g} to {high:g}", key=key, value=value)
+
+
+def one_line(part: Any, key: str) -> None:
+    """Check that an attribute is text without line breaks or null characters."""
+    value = getattr(part, key)
+    if not isinstance(value, str) or not (value == "" or value.isprintable()):
+        raise InputError("must be text, in one line", key=key, value=value)
 
 
 def radiance(part: Any) -> None:

@@ -102,6 +102,12 @@ def _write(
     plain = {**scene}
     for key, file in files.items():
         plain[key] = {"type": "ply", "filename": file, "bsdf": surfaces[key]}
+    images = {}
+    for key, part in plain.items():  # a sky that is an image gets a file of its own, too
+        if isinstance(part, dict) and "bitmap" in part:
+            images[f"{name}_{key}.exr"] = part["bitmap"]
+            plain[key] = {k: v for k, v in part.items() if k != "bitmap"}
+            plain[key]["filename"] = f"{name}_{key}.exr"
     state = mi.parser.parse_dict(mi.parser.ParserConfig(mi.variant()), plain)
     kinds = {
         "gem_primary": mi.ObjectType.Integrator,
@@ -123,11 +129,15 @@ def _write(
     def write_ply(mesh: Any) -> Callable[[Path], object]:
         return lambda path: mesh.write_ply(str(path))
 
+    def write_image(image: Any) -> Callable[[Path], object]:
+        return lambda path: image.write(str(path))
+
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"cannot be made: {error.strerror}", source=str(folder)) from error
     writers = {file: write_ply(meshes[key]) for key, file in files.items()}
+    writers |= {file: write_image(image) for file, image in images.items()}
     return write_whole(folder, {**writers, f"{name}.xml": write_xml})[-1]
 
 

@@ -7,7 +7,7 @@ where a value changes more within a step than a threshold allows, halving tells 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from typing import Any, Unpack
@@ -16,13 +16,16 @@ import numpy as np
 
 from gemrender.beam.by_parameters import changes_of
 from gemrender.beam.by_proportions import PROPORTIONS
-from gemrender.beam.by_tiers import design_unit, tier_parameters
+from gemrender.beam.by_tiers import KEPT_BY_WAY, design_unit, parameters_of_stone
 from gemrender.beam.measure import measure
 from gemrender.beam.sensitivity import check_differentiable
 from gemrender.cuts.design import Design
 from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.parameters import unit_of
+from gemrender.cuts.meets import changeable
 from gemrender.cuts.round_brilliant import RoundBrilliant
+from gemrender.cuts.turning import Free, Quantity
+from gemrender.cuts.turning import parameter_name as tier_parameter_name
 from gemrender.errors import InputError
 from gemrender.measures.measure import HEAD_DEG, Measure
 from gemrender.measures.registry import chosen_measures
@@ -124,7 +127,7 @@ class Cliff:
         return out | {"jumps": jumps}
 
 
-def check_reach(reach: float | None, threshold: float) -> None:
+def check_reach(reach: float | None, threshold: float = THRESHOLD) -> None:
     """Refuse how far cliffs are looked for, and how large they must be, if that cannot be.
 
     Raises
@@ -139,7 +142,7 @@ def check_reach(reach: float | None, threshold: float) -> None:
 
 def find_cliffs(
     stone: Stone,
-    parameters: Sequence[str] | None = None,
+    parameters: Sequence[str | Parameter] | None = None,
     *,
     measures: str | Measure | Iterable[str | Measure] = "inoue",
     view: View | None = None,
@@ -147,8 +150,10 @@ def find_cliffs(
     head: float = HEAD_DEG,
     reach: float | None = None,
     threshold: float = THRESHOLD,
+    values: Collection[str] | None = None,
     bound: float = 0.05,
     seed: int = 1,
+    meets: str = "free",
     progress: Callable[[float], None] | None = None,
     **short: Unpack[ShortForms],
 ) -> tuple[Cliff, ...]:
@@ -158,8 +163,8 @@ def find_cliffs(
     ----------
     stone : Stone
         A stone made from proportions or angles, from the parameters of a family, or from a design.
-    parameters : sequence of str, optional
-        Their names (`parameters_of`); by default all.
+    parameters : sequence of str or Parameter, optional
+        Their names (`parameters_of`), or parameters of your own; by default all.
     measures : str, Measure, or iterable of them
         What to look at, as `gemrender.measures.chosen_measures` takes it. Values in per cent tell where a
         jump is, but for bands of intensity; of all of them its size is told.
@@ -169,6 +174,10 @@ def find_cliffs(
         How far to look [% or deg]; by default 1 deg, 2 %, or 0.05 of a ratio.
     threshold : float
         Changes by less are no cliff [% of the light].
+    values : collection of str, optional
+        The values that tell where a jump is, as "aset.leak"; by default all in per cent, but for bands.
+    meets : {"free", "loose", "kept"}
+        Of designs, what becomes of meet points, as for `gemrender.sensitivity`.
     progress : callable, optional
         Called with the share done, 0 to 1.
     **short
@@ -177,7 +186,7 @@ def find_cliffs(
     Returns
     -------
     tuple of Cliff
-        Two for each parameter, below and above it.
+        Two for each parameter, below and above it; those of your own come last.
 
     Raises
     ------
@@ -189,28 +198,32 @@ def find_cliffs(
     Two jumps within one step, a fiftieth of the reach, that cancel each other are not seen, nor is one that a
     steep slope the other way hides by half of the threshold.
     """
-    check_differentiable(stone)
     check_reach(reach, threshold)
     chosen = chosen_measures(measures)
     counts = np.array([_counts(of.unit, key) for of in chosen for key in of.keys])
+    if values is not None:
+        counts &= [f"{of.name}.{key}" in values for of in chosen for key in of.keys]
     if not counts.any():
         names = ",".join(of.name for of in chosen)
         raise InputError("must have values in per cent, to tell a jump by", key="measures", value=names)
     view, model = resolve(stone, view, model, short)
     if isinstance(stone.cut, Design) and model.rear == "position":
         model = replace(model, rear="facet")  # as `by_tiers`: the girdle's edge does not stay level
-    moving = parameters_of(stone)
-    if parameters is not None:
-        known = dict.fromkeys(of.name for of in moving)
-        for name in parameters:
-            if name not in known:
-                raise InputError(f"must be one of {', '.join(known)}", key="parameter", value=name)
-        moving = [of for of in moving if of.name in parameters]
-    values = partial(_values, measures=chosen, view=view, model=model, head_deg=head, bound=bound, seed=seed)
-    here, found = values(stone), []
+    listed = [of for of in parameters or () if isinstance(of, str)]
+    moving = [of for of in parameters or () if isinstance(of, Parameter)]
+    if listed or parameters is None:
+        known = parameters_of(stone, meets)
+        for wanted in listed:
+            if wanted not in (allowed := dict.fromkeys(of.name for of in known)):
+                raise InputError(f"must be one of {', '.join(allowed)}", key="parameter", value=wanted)
+        moving = [*(of for of in known if of.name in listed or parameters is None), *moving]
+    measured = partial(
+        _values, measures=chosen, view=view, model=model, head_deg=head, bound=bound, seed=seed
+    )
+    here, found = measured(stone), []
     for place, parameter in enumerate(moving):
         for half, side in enumerate((-1, 1)):
-            walk = _Walk(parameter, side, values, threshold, counts)
+            walk = _Walk(parameter, side, measured, threshold, counts)
             found.append(walk.to(reach or REACH[parameter.unit], here, chosen))
             if progress is not None:
                 progress((2 * place + half + 1) / (2 * len(moving)))
@@ -298,8 +311,10 @@ class _Walk:
 # ---- What can be moved ---------------------------------------------------------------------------------
 
 
-def parameters_of(stone: Stone) -> list[Parameter]:
+def parameters_of(stone: Stone, meets: str = "free") -> list[Parameter]:
     """Return what a stone is differentiated by (`gemrender.beam.sensitivity`): what can be moved.
+
+    Of designs `meets` says what becomes of meet points.
 
     Raises
     ------
@@ -307,22 +322,22 @@ def parameters_of(stone: Stone) -> list[Parameter]:
         It was neither made from proportions, nor of a family, nor from a design.
     """
     check_differentiable(stone)
-    return list(_parameters(stone))
+    return list(_parameters(stone, meets))
 
 
-def _parameters(stone: Stone) -> Iterator[Parameter]:
+def _parameters(stone: Stone, meets: str) -> Iterator[Parameter]:
     cut = stone.cut
     if isinstance(cut, Design):
-        unit = design_unit(stone, cut)
-        for tier, key in tier_parameters(stone, cut):
+        unit, ways = design_unit(stone, cut), changeable(cut, meets)
+        for tier, key in parameters_of_stone(stone, cut):
             is_angle = key == "angle_deg"
             scale = 1.0 if is_angle else 0.01 * unit
             yield Parameter(
-                name=f"{cut.tier_names()[tier]} {'angle' if is_angle else 'distance'}",
-                kept="tiers",
+                name=tier_parameter_name(cut, tier, key),
+                kept=KEPT_BY_WAY[meets],
                 unit="deg" if is_angle else "%",
-                value=float(getattr(cut.tiers[tier], key)) / scale,
-                moved=partial(_tier_moved, stone, cut, tier, key, scale),
+                value=float(getattr(ways.design.tiers[tier], key)) / scale,
+                moved=partial(_tier_moved, stone, ways, tier, key, scale),
             )
     elif isinstance(cut, Family):
         for change in changes_of(cut):
@@ -366,6 +381,6 @@ def _proportion_moved(
     return Stone.from_proportions(made, name=stone.name, material=stone.material)
 
 
-def _tier_moved(stone: Stone, design: Design, tier: int, key: str, scale: float, by: float) -> Stone:
-    moved = design.with_tier(tier, **{key: getattr(design.tiers[tier], key) + by * scale})
-    return replace(moved.stone(name=stone.name), material=stone.material)
+def _tier_moved(stone: Stone, ways: Free, tier: int, key: Quantity, scale: float, by: float) -> Stone:
+    value = float(getattr(ways.design.tiers[tier], key)) + by * scale
+    return ways.changed({(tier, key): value}).stone(name=stone.name, material=stone.material)

@@ -7,6 +7,7 @@
     worst(inoue, 15)                the least over tilts up to 15 degrees; `mean`: their mean
     iso - 2*spread(iso)             `spread`: standard deviation under what is not known of the stone
     iso + 10*volume                 volume of the stone [half length cubed]
+    iso + 0.5*yield                 its share of rough that is given [%]; `carat`: its weight
 """
 
 from __future__ import annotations
@@ -14,7 +15,8 @@ from __future__ import annotations
 import ast
 import math
 import operator
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -39,6 +41,8 @@ _OPERATORS: dict[type, Callable[[Any, Any], Any]] = {
     ast.Div: operator.truediv,
     ast.Pow: operator.pow,
 }
+#: What of a stone's size goals may name, as the expression that is parsed has it: yield is a word of Python.
+_SIZES = {"volume": "volume", "_yield": "yield", "carat": "carat"}
 _SIMPLE = {"min": min, "max": max, "abs": abs}
 _OVER_TILTS: dict[str, Callable[[Any], Any]] = {"mean": np.mean, "worst": np.min}
 #: Longest goal [characters], and how deep it may be nested.
@@ -63,12 +67,15 @@ class Goal:
         Whether it needs draws of what is not known.
     tree : ast.expr
         The expression, checked.
+    sizes : tuple of str
+        Which of "volume", "yield" and "carat" it is made of.
     """
 
     text: str
     measures: tuple[Measure, ...]
     has_spread: bool
     tree: ast.expr
+    sizes: tuple[str, ...] = ()
 
     @classmethod
     def parse(cls, text: str) -> Goal:
@@ -82,7 +89,7 @@ class Goal:
         if len(text) > _LONGEST:
             raise InputError(f"must have at most {_LONGEST} characters", key="goal", value=text)
         try:
-            tree = ast.parse(text.strip(), mode="eval").body
+            tree = ast.parse(re.sub(r"\byield\b", "_yield", text.strip()), mode="eval").body
         except (SyntaxError, ValueError, RecursionError, MemoryError):
             raise InputError("must be an expression such as iso - 0.5*leak", key="goal", value=text) from None
         found: dict[str, Measure] = {}
@@ -91,9 +98,36 @@ class Goal:
             _check(tree, found, spreads, 0)
         except InputError as error:
             raise InputError(error.allowed, key="goal", value=text) from None
-        if not found and "volume" not in text:
+        used = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+        sizes = tuple(name for written, name in _SIZES.items() if written in used)
+        if not found and not sizes:
             raise InputError(f"names no measure; there are {_listed()}", key="goal", value=text)
-        return cls(text.strip(), tuple(found.values()), bool(spreads), tree)
+        return cls(text.strip(), tuple(found.values()), bool(spreads), tree, sizes)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The values that it is made of: as "measure.key", and those of `sizes`."""
+        return tuple(dict.fromkeys(map(_named, _leaves(self.tree))))
+
+    @property
+    def is_local(self) -> bool:
+        """Whether it is of the stone itself seen from straight above: without mean, worst and spread."""
+        calls = (node.func for node in ast.walk(self.tree) if isinstance(node, ast.Call))
+        return all(isinstance(of, ast.Name) and of.id in _SIMPLE for of in calls)
+
+    def partials(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Return the goal's exact derivatives by each of the values that it is made of (`is_local` ones).
+
+        Of min and max the one that counts, the first of equals, is differentiated; NaN where there is none.
+
+        Parameters
+        ----------
+        values : mapping
+            The values, by `names`.
+        """
+        names = self.names
+        _, slopes = _partials(self.tree, values, {name: place for place, name in enumerate(names)})
+        return dict(zip(names, slopes.tolist(), strict=True))
 
     def value(self, scorer: Scorer, draws: int = 0) -> float:
         """Return the goal of a stone.
@@ -102,7 +136,7 @@ class Goal:
         ----------
         scorer : callable
             What tells the measures of the stone, and of its draws 1 to `draws`; values are called
-            "measure.key", and "volume".
+            "measure.key", and those of `sizes` by their names.
         draws : int
             Number of draws that `spread` is taken over.
         """
@@ -136,7 +170,8 @@ def _listed() -> str:
     """Return the measures for a message; their keys are in `gemrender measures`."""
     names = [name for name in _names() if "." not in name]
     own = [name for name in names if any(other.startswith(f"{name}.") for other in _names())]
-    return f"{', '.join(own)} and their values, as aset.leak or leak (see: gemrender measures), and volume"
+    sizes = ", ".join(_SIZES.values())
+    return f"{', '.join(own)} and their values, as aset.leak or leak (see: gemrender measures), and {sizes}"
 
 
 def _check(node: ast.AST, found: dict[str, Measure], spreads: list[bool], depth: int) -> None:
@@ -161,7 +196,7 @@ def _check(node: ast.AST, found: dict[str, Measure], spreads: list[bool], depth:
         _check_call(node, found, spreads, depth)
     elif isinstance(node, (ast.Name, ast.Attribute)):
         written = ast.unparse(node)
-        if written == "volume":
+        if written in _SIZES:
             return
         names = _names()
         if written not in names:
@@ -181,8 +216,8 @@ def _check_call(node: ast.Call, found: dict[str, Measure], spreads: list[bool], 
     assert isinstance(node.func, ast.Name)
     name, arguments = node.func.id, node.args
     if name in _SIMPLE:
-        if len(arguments) < (1 if name == "abs" else 2):
-            raise InputError(f"{name} needs {'a value' if name == 'abs' else 'two values or more'}")
+        if len(arguments) != 1 if name == "abs" else len(arguments) < 2:
+            raise InputError(f"{name} needs {'one value' if name == 'abs' else 'two values or more'}")
         for argument in arguments:
             _check(argument, found, spreads, depth + 1)
     elif name in _OVER_TILTS:
@@ -229,5 +264,59 @@ def _value(node: ast.AST, scorer: Scorer, drawn: int, pose: Pose, draws: int) ->
             return float(_OVER_TILTS[name]([_value(arguments[0], scorer, drawn, at, draws) for at in poses]))
         values = [_value(arguments[0], scorer, number, pose, draws) for number in range(1, draws + 1)]
         return float(np.std(values, ddof=1)) if len(values) > 1 else 0.0
+    return float(scorer(drawn, pose)[_named(node)])
+
+
+def _leaves(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield the parts of a goal that name values."""
+    if isinstance(node, (ast.Name, ast.Attribute)):
+        yield node
+        return
+    parts = node.args if isinstance(node, ast.Call) else list(ast.iter_child_nodes(node))
+    for part in parts:
+        yield from _leaves(part)
+
+
+def _named(node: ast.AST) -> str:
+    """Return what is named, as "measure.key", or a size's name."""
     written = ast.unparse(node)
-    return float(scorer(drawn, pose)[written if written == "volume" else _names()[written]])
+    return _SIZES.get(written) or _names()[written]
+
+
+def _partials(
+    node: ast.AST, values: Mapping[str, float], places: Mapping[str, int]
+) -> tuple[float, np.ndarray]:
+    """Return the value of a part of a goal, and its derivatives by the values at these places, (n,)."""
+    if isinstance(node, ast.Constant):
+        return float(node.value), np.zeros(len(places))  # type: ignore[arg-type]
+    if isinstance(node, ast.UnaryOp):
+        value, slope = _partials(node.operand, values, places)
+        return (-value, -slope) if isinstance(node.op, ast.USub) else (value, slope)
+    if isinstance(node, ast.BinOp):
+        (a, by_a), (b, by_b) = (_partials(part, values, places) for part in (node.left, node.right))
+        try:
+            if isinstance(node.op, ast.Pow):  # the exponent is a number
+                value = a**b
+                return (
+                    (math.nan, by_a * math.nan)
+                    if isinstance(value, complex)
+                    else (value, b * a ** (b - 1.0) * by_a if b else by_b)
+                )
+            value = _OPERATORS[type(node.op)](a, b)
+            if isinstance(node.op, ast.Mult):
+                return value, b * by_a + a * by_b
+            if isinstance(node.op, ast.Div):
+                return value, (by_a - value * by_b) / b
+            return value, by_a + by_b if isinstance(node.op, ast.Add) else by_a - by_b
+        except (ZeroDivisionError, OverflowError, TypeError):
+            return math.nan, np.full(len(places), math.nan)
+    if isinstance(node, ast.Call):
+        assert isinstance(node.func, ast.Name)
+        parts = [_partials(part, values, places) for part in node.args]
+        if node.func.id == "abs":
+            (value, slope), *_ = parts
+            return abs(value), math.copysign(1.0, value) * slope
+        return (min if node.func.id == "min" else max)(parts, key=lambda part: part[0])
+    name, slopes = _named(node), np.zeros(len(places))
+    slopes[places[name]] = 1.0
+    return float(values[name]), slopes

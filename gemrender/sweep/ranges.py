@@ -6,20 +6,23 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
 
+from gemrender.cuts.design import Design
 from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.parameters import unit_of
 from gemrender.cuts.round_brilliant.proportions import ANGLE_RANGES, RANGES
 from gemrender.errors import InputError
 from gemrender.reading import did_you_mean
 from gemrender.stone import Stone
-from gemrender.sweep.unknown import figures_of
+from gemrender.sweep.varied import varied_figures
 
-__all__ = ["Range", "ranges_of"]
+__all__ = ["Range", "figure_name", "ranges_of"]
 
 #: Step of each parameter that is varied unless another is asked for [deg, %, or of a ratio]: what can be cut.
 STEPS = {"angle": 0.1, "": 0.01, "%": 0.5}
 #: How far a parameter is varied to either side unless a range is given [deg, %, or of a ratio].
 REACH = {"angle": 3.0, "": 0.2, "%": 5.0}
+#: Allowed angles and distances of a design's tiers [deg, % of half the stone's length].
+TIER_RANGES = {"angle": (0.1, 89.9), "distance": (0.0, 1000.0)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,19 +35,30 @@ class Range:
         Its name.
     low, high, step : float
         Its least and largest value, and the step between.
+    is_continuous : bool
+        Whether it is any number between them; the step is what places are counted in all the same.
+    unit : {"deg", "%", ""}
+        What it counts; nothing where it is a ratio.
     """
 
     name: str
     low: float
     high: float
     step: float
+    is_continuous: bool = False
+    unit: str = ""
 
     @property
     def count(self) -> int:
-        """Number of values."""
+        """Number of values, whole steps apart."""
         return math.floor((self.high - self.low) / self.step + 1e-9) + 1
 
-    def at(self, place: int) -> float:
+    @property
+    def last(self) -> float:
+        """The last place."""
+        return (self.high - self.low) / self.step if self.is_continuous else self.count - 1
+
+    def at(self, place: float) -> float:
         """Return a value by its place, from 0; in decimals, as it is written."""
         return float(f"{self.low + place * self.step:.10g}")
 
@@ -54,10 +68,13 @@ def ranges_of(
 ) -> tuple[Range, ...]:
     """Return the ranges of parameters that are varied: as "crown_angle", "table=54:58" or "table=54:58:0.5".
 
+    A step of 0 is any number within the range. Of a design, as "P1 angle=40:43:0.1"
+    (`gemrender.sweep.varied`).
+
     Parameters
     ----------
     stone : Stone
-        A stone that was made from proportions, or of a family.
+        A stone that was made from proportions, of a family, or from a design.
     chosen : iterable of str
         The parameters.
     kept : mapping, optional
@@ -68,11 +85,11 @@ def ranges_of(
     InputError
         A stone without parameters, a parameter that it has not, or a range that is none.
     """
-    known = figures_of(stone)
+    known = varied_figures(stone)
     ranges: dict[str, Range] = {}
     for text in chosen:
         name, _, limits = (part.strip() for part in text.partition("="))
-        name = name.replace("-", "_").lower()
+        name = figure_name(stone, name)
         if name not in known:
             raise InputError(
                 f"unknown parameter; must be one of {', '.join(known)}{did_you_mean(name, list(known))}",
@@ -93,19 +110,34 @@ def ranges_of(
             if len(numbers) not in (2, 3) or not all(map(math.isfinite, numbers)):
                 raise InputError(f"must be {name}=LOW:HIGH or {name}=LOW:HIGH:STEP", key="vary", value=text)
             low, high, *rest = numbers
+            if isinstance(stone.cut, Design) and high < 0:  # as .asc files write the pavilion's
+                low, high = -high, -low
             step = rest[0] if rest else step
+        is_continuous = step == 0
+        step = step or STEPS[unit]
         least, most = _allowed(stone, name)
         low, high = max(low, least), min(high, most)
         if not low < high or not step > 0 or (high - low) / step > 1e6:
             raise InputError(
-                f"must have a range within {least:g} to {most:g} and a step above 0", key="vary", value=text
+                f"must have a range within {least:g} to {most:g} and a step of 0 or more",
+                key="vary",
+                value=text,
             )
-        # On whole steps, as a cutter counts them.
-        low = math.ceil(low / step - 1e-9) * step
-        ranges[name] = Range(name, low, high, step)
+        if not is_continuous:  # on whole steps, as a cutter counts them
+            low = math.ceil(low / step - 1e-9) * step
+            if low > high:
+                raise InputError(f"must have a multiple of the step {step:g} in it", key="vary", value=text)
+        ranges[name] = Range(name, low, high, step, is_continuous, "deg" if unit == "angle" else unit)
     if not ranges:
         raise InputError("names no parameter to vary", key="vary")
     return tuple(ranges.values())
+
+
+def figure_name(stone: Stone, text: str) -> str:
+    """Return a parameter's name as it was meant; of a design's tiers letters keep their case."""
+    if isinstance(stone.cut, Design):
+        return " ".join(text.split())
+    return text.strip().replace("-", "_").lower()
 
 
 def _unit(stone: Stone, name: str) -> str:
@@ -118,6 +150,8 @@ def _unit(stone: Stone, name: str) -> str:
 
 
 def _allowed(stone: Stone, name: str) -> tuple[float, float]:
+    if isinstance(stone.cut, Design):
+        return TIER_RANGES[name.rsplit(" ", 1)[1]]
     if isinstance(stone.cut, Family):
         parts = {part.name: part for part in fields(stone.cut)}  # type: ignore[arg-type]
         if name in parts:

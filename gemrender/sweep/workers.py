@@ -11,7 +11,7 @@ import sys
 import threading
 import traceback
 from collections import deque
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator
 from dataclasses import dataclass
 from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
@@ -38,7 +38,7 @@ class LostProcessError(GemrenderError):
 
 
 def in_processes(
-    function: Callable[[Batch], Result], batches: Sequence[Batch], processes: int
+    function: Callable[[Batch], Result], batches: Iterable[Batch], processes: int
 ) -> Generator[Result, None, None]:
     """Call a function with each batch, in processes of their own; yield the results as they come.
 
@@ -54,8 +54,8 @@ def in_processes(
     ----------
     function : callable
         What is called; it is sent once to each process.
-    batches : sequence
-        Its arguments.
+    batches : iterable
+        Its arguments, each taken when a process is free for it.
     processes : int
         Number of processes, at least 1.
 
@@ -73,11 +73,18 @@ def in_processes(
     Exception
         Whatever the function raises.
     """
-    waiting = deque((batch, 1) for batch in batches)
+    fresh, again = iter(batches), deque[tuple[Batch, int]]()  # what has lost a process is done again at last
     workers: dict[Connection, _Worker] = {}
+
+    def next_batch() -> tuple[Batch, int] | None:
+        """Return a batch that waits, and how often it has been tried with that; None if there is none."""
+        for batch in fresh:
+            return batch, 1
+        return again.popleft() if again else None
+
     try:
-        for _ in range(min(processes, len(batches))):
-            worker: _Worker = _start(function, *waiting.popleft())
+        while len(workers) < processes and (item := next_batch()) is not None:
+            worker: _Worker = _start(function, *item)
             workers[worker.connection] = worker
         while workers:
             for connection in wait(list(workers)):
@@ -86,17 +93,17 @@ def in_processes(
                     good, value = worker.connection.recv()
                 except (EOFError, OSError):
                     del workers[worker.connection]
-                    waiting.append((worker.batch, worker.tried + 1))
+                    again.append((worker.batch, worker.tried + 1))
                     _lost(worker, len(workers))
-                    if not workers:
-                        worker = _start(function, *waiting.popleft())
+                    if not workers and (item := next_batch()) is not None:
+                        worker = _start(function, *item)
                         workers[worker.connection] = worker
                     continue
                 if not good:
                     raise value
                 worker.has_served = True
-                if waiting:
-                    worker.hand(*waiting.popleft())
+                if (item := next_batch()) is not None:
+                    worker.hand(*item)
                 else:
                     del workers[worker.connection]
                     worker.end()

@@ -41,9 +41,10 @@ def turns(monkeypatch):
     rendered, real = [], frames.render
 
     def render(*arguments, **options):
-        if options["turn_deg"] == turns.at:
+        turn = options["move"].angle_deg(options["share"])
+        if turn == turns.at:
             raise KeyboardInterrupt
-        rendered.append(options["turn_deg"])
+        rendered.append(turn)
         return real(*arguments, **options)
 
     def turns():

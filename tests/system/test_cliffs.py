@@ -62,15 +62,18 @@ def test_two_mains_of_a_roof():
     assert all(cliff.at is None for cliff in cliffs_of(roof(0.5 * (critical + second)), "M angle"))
 
 
-@pytest.mark.parametrize("crown", [25.0, 35.0])
-def test_two_mains_and_a_crown(crown):
+@pytest.mark.parametrize(
+    ("crown", "meets"), [(25.0, "free"), (35.0, "free"), (35.0, "kept"), (35.0, "loose")]
+)
+def test_two_mains_and_a_crown(crown, meets):
     """Rationale: after two mains light is 4 p - 180 off the axis, and meets a crown main at 4 p - 180 + c.
 
-    Expected: that is the critical angle at p = (180 - c + theta_c)/4, and there it jumps.
+    Expected: that is the critical angle at p = (180 - c + theta_c)/4, and there it jumps, wherever facets
+    are: with meets kept, too.
     """
     index = 2.4173
     place = (180.0 - crown + critical_angle_deg(index)) / 4.0
-    steeper, _ = cliffs_of(roof(place - 0.02, crown, index), "M angle", reach=0.1)
+    steeper, _ = cliffs_of(roof(place - 0.02, crown, index), "M angle", reach=0.1, meets=meets)
     assert steeper.at == pytest.approx(-place, abs=CLOSE)
     assert abs(size(steeper, "inoue", "rear")) > 1.0
 

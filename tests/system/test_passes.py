@@ -59,7 +59,7 @@ def test_samples_fill_mitsubas_strata():
         assert sampler.sample_count() == fitting
 
 
-@pytest.mark.parametrize("setup", ["hemisphere", "studio"])
+@pytest.mark.parametrize("setup", ["hemisphere", "arrows"])
 def test_the_noise_is_the_error_on_the_stone(setup):
     """Stated of one picture, against the scatter of pictures of many seeds, with its jackknife error."""
     ensure_variant("llvm_ad_spectral")

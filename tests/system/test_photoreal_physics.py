@@ -22,6 +22,7 @@ from physics_tolerances import (
     WHITE,
 )
 from solids import bent_stone, cleft_heart, star_prism
+from thorough import some
 
 from gemrender import load_stone
 from gemrender.optics import load_material
@@ -194,8 +195,8 @@ def kernels(work):
     ("stone", "material", "wavelengths_nm"),
     [
         ("inoue-1", "diamond", (400, 550, 700)),
-        ("inoue-1", "quartz", (400, 550, 700)),
-        ("inoue-3", "diamond", (400, 550, 700)),
+        ("inoue-1", "quartz", (700, 550, 400)),
+        ("inoue-3", "diamond", (550, 400, 700)),
         ("inoue-3", "rutile", (400, 550, 700)),
         ("hollow", "diamond", (550,)),
         ("oval", "cubic zirconia", (400,)),
@@ -207,7 +208,7 @@ def test_stone_cannot_be_seen_in_a_furnace(variant_llvm_ad_spectral, stone, mate
     # No absorption and light of radiance 1 from everywhere: radiance 1, whatever way it takes. A million
     # samples of each wavelength; their only noise is Russian roulette.
     passes = Passes(furnace(STONES[stone], surface(material=material)), seed=1)
-    for nm in wavelengths_nm:
+    for nm in some(wavelengths_nm, 3):
         off, of_mean = off_by(*passes.radiance_at(nm, 1024))
         assert of_mean < 1e-4
         assert abs(off) <= THREE_SIGMA, nm

@@ -10,13 +10,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from observations import run_python
+from PIL import Image
 from render_help import (
     FILM,
     interrupt_after,
     names,
 )
 
-from gemrender.render import frames
+from gemrender import load_setup, load_stone, render_film
+from gemrender.render import frames, photoreal
+from gemrender.render.photoreal import make_gems
+from gemrender.scene.moves import Move
 
 
 def pictures(av, path):
@@ -61,13 +65,79 @@ def test_a_film_goes_on_where_it_was_interrupted(at, done, gemrender, folder, av
     np.testing.assert_array_equal(pictures(av, "x.mp4")[1], whole[1])
 
 
+@pytest.mark.parametrize(("name", "to"), [("rock", ()), ("tilt", ("--to", "20"))])
+def test_a_film_rocks_and_tilts_to_and_fro(name, to, gemrender, folder, av, turns):
+    status, out, err = gemrender(*FILM[:-1], "4", "--setup", "white", "--move", name, *to)
+    assert (status, out, err) == (0, "", "written: x.mp4\n")
+    most = 20 if to else 15
+    np.testing.assert_allclose(turns(), [0, most, 0, -most], rtol=0, atol=1e-12)
+    with av.open("x.mp4") as film:
+        assert film.metadata["comment"].endswith(f", {name} by {most} degrees in 4 frames")
+
+
+def test_python_makes_the_same_film(gemrender, folder):
+    words = ["inoue-3", "--setup", "white", "--size", "16", "--aspect", "4:5", "--spp", "2"]
+    assert gemrender("render", *words, "-o", "a.webp", "--frames", "3", "--move", "tilt")[0] == 0
+    shares = []
+    path = render_film("inoue-3", "b.webp", "white", frames=3, move="tilt", size=16, aspect="4:5", spp=2,
+                       progress=shares.append)  # fmt: skip
+    assert path.read_bytes() == Path("a.webp").read_bytes()
+    assert names(".") == {"a.webp", "b.webp"}
+    assert shares == sorted(shares)
+    assert shares[-1] == 1
+    with Image.open(path) as film:
+        assert (film.n_frames, film.size) == (3, (16, 20))
+
+
+def test_a_film_of_another_move_is_another_film(gemrender, folder, av, turns):
+    turns.at = 240
+    on_ground = [*FILM, "--setup", "white"]
+    assert gemrender(*on_ground)[0] == 130
+    turns.at = None
+    status, _, err = gemrender(*on_ground, "--move", "rock")
+    assert status == 2
+    assert err.startswith("gemrender: x.mp4.frames: holds frames of another film; ")
+
+
+@pytest.fixture(scope="module")
+def moments():
+    """A stone on white ground, by share of its turn and seed."""
+    gems, setup = make_gems([load_stone("inoue-3")]), load_setup("white")
+
+    def frame(share, seed=0):
+        return photoreal.render(gems, setup, width=32, height=32, spp=8, move=Move(), share=share, seed=seed)
+
+    return {of: frame(*of) for of in ((0.0,), (1.0,), (1e-6,), (0.1,), (0.0, 1))}
+
+
+def test_a_turn_ends_where_it_began(moments):
+    np.testing.assert_array_equal(moments[1.0,].xyz, moments[0.0,].xyz)
+
+
+def test_noise_stays_where_it_is(moments):
+    """Of a stone that hardly moved nearly the same, of another seed another; of still ground the same."""
+    first, nearly, later, other = (moments[of] for of in ((0.0,), (1e-6,), (0.1,), (0.0, 1)))
+    stone, ground = first.albedo.min(axis=2) > 0.99, first.albedo.max(axis=2) < 0.99
+
+    def change(picture):
+        return float(np.sqrt(np.mean((picture.xyz - first.xyz)[stone] ** 2)))
+
+    assert change(nearly) < 0.3 * change(other)
+    # Only light that has been at the stone is other light
+    assert (later.xyz == first.xyz)[ground].mean() > 0.3
+    assert (other.xyz == first.xyz)[ground].mean() < 0.05
+
+
 #: A film that is killed where the first argument says.
 KILLED = """
 import os, signal, sys
 from pathlib import Path
 from PIL import Image
 from gemrender import cli
-from gemrender.render import frames
+from gemrender import load_setup, load_stone, render_film
+from gemrender.render import frames, photoreal
+from gemrender.render.photoreal import make_gems
+from gemrender.scene.moves import Move
 
 def half_then_killed(path, *_, **__):
     Path(path).write_bytes(b"half")

@@ -13,11 +13,13 @@ from solids import bent_stone
 
 import gemrender
 from gemrender.beam import beam_stone, measure
-from gemrender.beam.by_tiers import design_unit
+from gemrender.beam.by_tiers import design_unit, parameters_of_stone
 from gemrender.beam.compiled import STEP
 from gemrender.beam.sensitivity import PROPORTIONS, facet_totals, proportion_planes, sensitivity
 from gemrender.cuts import RoundBrilliant, load_stone
+from gemrender.cuts.meets import changeable
 from gemrender.cuts.random import random_brilliant
+from gemrender.cuts.turning import parameter_name
 from gemrender.errors import InputError
 from gemrender.observation import Model, View
 from gemrender.stone import Stone
@@ -172,3 +174,37 @@ def test_tiers_of_a_design(name):
             slopes = np.diff([getattr(side, score) for side in sides]) / TIER_STEP
             assert slopes.min() - TIER_QUOTIENT <= getattr(derivative, score) <= slopes.max() + TIER_QUOTIENT
             assert getattr(derivative, f"{score}_bound") == 0
+
+
+#: Central differences of scores of designs made anew, with all meets kept: their second order, and a score's
+#: rounding over the step [% per deg or %].
+KEPT_STEP, KEPT_QUOTIENT = 1e-4, 1e-5
+
+
+@pytest.mark.parametrize("name", ["round", "square-barion", "triangle-negative-gear"])
+def test_tiers_of_a_design_whose_meets_are_kept(name):
+    """Nothing opens at a corner, so that slopes have one side only and are as exact as differences."""
+    stone = load_stone(DESIGNS / f"{name}.asc")
+    found = {of.parameter: of for of in sensitivity(stone, meets="kept").derivatives}
+    ways = changeable(stone.cut, "kept")
+    design = ways.design
+    closed = design.stone(name=stone.name, material=stone.material)
+    parameters = parameters_of_stone(closed, design)
+    assert set(found) == {parameter_name(design, *of) for of in parameters}
+    for tier, quantity in parameters:
+        derivative = found[parameter_name(design, tier, quantity)]
+        step = KEPT_STEP * (1.0 if quantity == "angle_deg" else 0.01 * design_unit(closed, design))
+        value = getattr(design.tiers[tier], quantity)
+        low, high = (
+            gemrender.score(ways.changed({(tier, quantity): value + by}).stone(), rear="facet")
+            for by in (-step, step)
+        )
+        assert derivative.average_bound == derivative.rear_bound == 0
+        for score in ("average", "rear"):
+            quotient = (getattr(high, score) - getattr(low, score)) / (2 * KEPT_STEP)
+            assert getattr(derivative, score) == pytest.approx(quotient, abs=KEPT_QUOTIENT)
+
+
+def test_only_designs_have_meets():
+    with pytest.raises(InputError, match="meets = 'kept': only designs of tiers have meets"):
+        sensitivity(load_stone("gia-excellent"), meets="kept")

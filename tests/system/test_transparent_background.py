@@ -12,6 +12,7 @@ from gemrender.render.backend import ensure_variant
 from gemrender.render.frames import render_film
 from gemrender.render.passes import Passes
 from gemrender.render.photoreal import make_gems, render
+from gemrender.scene.moves import Move
 from gemrender.scene.photoreal import photoreal_scene
 from gemrender.scene.setup import load_setup
 
@@ -81,8 +82,9 @@ def test_spectral_bins_are_the_stones():
 def test_a_film_before_a_transparent_background(name, tmp_path):
     gems = make_gems([load_stone("inoue-3")])
     path = render_film(
-        tmp_path / name, gems, load_setup("white"), frames=2, fps=10.0, ev=0.0, curve="filmic", denoise=False,
-        progress=lambda _: lambda _: None, width=SIZE, height=SIZE, spp=2, transparent=True,
+        tmp_path / name, gems, load_setup("white"), frames=2, fps=10.0, move=Move(), ev=0.0,
+        curve="filmic", denoise=False, progress=lambda _: lambda _: None, width=SIZE,
+        height=SIZE, spp=2, transparent=True,
     )  # fmt: skip
     assert [file.name for file in tmp_path.iterdir()] == [name]
     with Image.open(path) as film:

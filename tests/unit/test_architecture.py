@@ -42,7 +42,7 @@ LAYERS: list[dict[str, set[str]]] = [
     {"scoring": {"numpy"}},
     {"mapping": {"numpy"}},
     {"crosscheck": {"numpy"}, "stereo": {"numpy"}},
-    {"sweep": {"numpy", "scipy", "drjit", *_ATLASES}},
+    {"sweep": {"numpy", "scipy", "drjit", "pymoo", *_ATLASES}},
     {"report": {"numpy", "matplotlib", "mpl_toolkits", "rich", "OpenEXR", "colour"}},
     {"cli": {"numpy", "typer", "rich"}},
     {"__main__": set()},

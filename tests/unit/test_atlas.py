@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -15,14 +16,15 @@ import pytest
 
 import gemrender as gem
 from gemrender.errors import BackendError, InputError
-from gemrender.sweep import atlas as atlas_of
-from gemrender.sweep.atlas import make_atlas
-from gemrender.sweep.atlas_chunk import chunk_values, measure_chunk
-from gemrender.sweep.atlas_export import export_atlas
-from gemrender.sweep.atlas_map import cliffs
-from gemrender.sweep.atlas_plan import part_shape
-from gemrender.sweep.atlas_plan_file import read_plan
-from gemrender.sweep.atlas_store import DONE, NO_STONE, TO_DO, AtlasStore, open_atlas
+from gemrender.sweep.atlas import make_atlas, run, work
+from gemrender.sweep.atlas.chunk import chunk_values, measure_chunk
+from gemrender.sweep.atlas.export import export_atlas
+from gemrender.sweep.atlas.map import cliffs
+from gemrender.sweep.atlas.parts import Parts
+from gemrender.sweep.atlas.plan import part_shape
+from gemrender.sweep.atlas.plan_file import read_plan
+from gemrender.sweep.atlas.store import DONE, NO_STONE, TO_DO, AtlasStore, open_atlas
+from gemrender.sweep.workers import LostProcessError
 
 #: Few rays: what is tested is not how close the values are to the truth.
 BOUND = 5.0
@@ -94,6 +96,27 @@ def test_settings_vary_the_last_parameter_fastest(planned):
     plan = planned(GRID)
     settings = list(plan.settings(plan.place(1)))
     assert settings == [{"crown_angle": 34.0, "star": star} for star in (10.0, 40.0, 50.0, 60.0)]
+
+
+@pytest.mark.parametrize("text", [GRID, SOBOL, SOBOL.replace("[sobol]", "star = [50, 55]\n[sobol]")])
+def test_parts_of_a_chunk_have_the_settings_of_the_whole(planned, text):
+    plan = planned(text)
+    place = plan.place(1)
+    whole = list(plan.settings(place))
+    for first in range(len(whole)):
+        for last in range(first, len(whole) + 1):
+            assert list(plan.settings(place, first, last)) == whole[first:last]
+
+
+def test_parts_cover_every_chunk_once_however_fast_the_work_is(planned):
+    plan = planned(GRID)
+    parts, seen = Parts(plan, [0, 2], 2), []
+    for part in parts:
+        assert 0 < part.last - part.first <= 4
+        seen += [(part.chunk, k) for k in range(part.first, part.last)]
+        parts.rate *= 3
+        parts.rate += 5
+    assert seen == [(chunk, k) for chunk in (0, 2) for k in range(4)]
 
 
 def test_points_of_a_design_do_not_depend_on_which_are_asked_for(planned):
@@ -206,8 +229,7 @@ def test_a_measurement_that_fails_does_not_end_the_work(planned, tmp_path, monke
             raise ZeroDivisionError("by nothing")
         return chunk_values(plan, stone, tilt)
 
-    monkeypatch.setattr("gemrender.sweep.atlas_chunk.chunk_values", failing)
-    monkeypatch.setattr(atlas_of, "chunk_values", failing)
+    monkeypatch.setattr("gemrender.sweep.atlas.chunk.chunk_values", failing)
     made = make_atlas(planned(GRID.replace("[10, 40, 50, 60]", "[50, 60]")), str(tmp_path / "a.zarr"))
     assert (made.done, made.failed) == (4, 2)
     assert made.refused[0] == ("crown_angle=34.0 star=50.0", "ZeroDivisionError: by nothing")
@@ -256,6 +278,43 @@ def test_bytes_are_the_same_in_any_order_and_number_of_threads(planned, tmp_path
     assert contents(tmp_path / "backwards.zarr") == expected
 
 
+def test_processes_write_the_same_bytes_though_one_of_them_is_killed(planned, tmp_path, monkeypatch, caplog):
+    """They are started after the first stones, which threads have measured."""
+    monkeypatch.setattr(work, "_TRIAL_S", 0.0)
+    monkeypatch.setattr(work, "_WORTH_S", 0.0)
+    monkeypatch.setattr("os.cpu_count", lambda: 2)
+    plan = planned(SOBOL.replace("number = 7", "number = 40"))
+    killed = []
+
+    def kill(share):
+        if not killed and (children := multiprocessing.active_children()):
+            killed.append(children[0])
+            os.kill(children[0].pid, signal.SIGKILL)
+
+    made = make_atlas(plan, str(tmp_path / "processes.zarr"), progress=kill)
+    assert killed
+    assert made.done == made.measured == 40
+    assert "its work is done again" in caplog.text
+    make_atlas(plan, str(tmp_path / "threads.zarr"), threads=2)
+    assert contents(tmp_path / "processes.zarr") == contents(tmp_path / "threads.zarr")
+
+
+def test_where_processes_are_lost_again_and_again_what_is_done_is_kept(planned, tmp_path, monkeypatch):
+    def lost(function, parts, processes):
+        for part in parts:
+            if part.chunk == 2:
+                raise LostProcessError("a process was ended by signal 9")
+            yield function(part)
+
+    plan, where = planned(GRID), str(tmp_path / "a.zarr")
+    with monkeypatch.context() as patched:
+        patched.setattr(work, "in_processes", lost)
+        with pytest.raises(LostProcessError, match="what is done is kept in"):
+            make_atlas(plan, where, processes=2)
+    assert AtlasStore(plan, where).to_do() == [2]
+    assert make_atlas(plan, where).measured == 4
+
+
 def test_an_interruption_keeps_what_is_done(planned, tmp_path, monkeypatch):
     plan = planned(GRID)
     where = str(tmp_path / "a.zarr")
@@ -270,6 +329,19 @@ def test_an_interruption_keeps_what_is_done(planned, tmp_path, monkeypatch):
     assert make_atlas(plan, where).measured == 8
     make_atlas(plan, str(tmp_path / "b.zarr"))
     assert contents(tmp_path / "a.zarr") == contents(tmp_path / "b.zarr")
+
+
+def test_the_status_of_many_chunks_is_read_some_at_a_time(planned, tmp_path, monkeypatch):
+    plan = planned(GRID.replace("chunk = 4", "chunk = 3"))
+    store = AtlasStore(plan, str(tmp_path / "a.zarr"))
+    for chunk in range(plan.chunks):
+        shape = tuple(part.stop - part.start for part in plan.place(chunk))
+        store.write(chunk, {"status": np.full(shape, 1 + chunk % 3, dtype=np.int8)})
+    whole = store.status()
+    assert len(np.unique(whole)) == 3
+    for number in (1, 2, 4):
+        monkeypatch.setattr("gemrender.sweep.atlas.store._READ", number)
+        np.testing.assert_array_equal(store.status(), whole)
 
 
 def test_a_damaged_chunk_is_done_again(planned, tmp_path):
@@ -287,8 +359,8 @@ def test_a_process_killed_with_9_goes_on(planned, tmp_path):
     code = """
         import os, signal, sys
         from gemrender.sweep.atlas import make_atlas
-        from gemrender.sweep.atlas_plan_file import read_plan
-        from gemrender.sweep.atlas_store import AtlasStore
+        from gemrender.sweep.atlas.plan_file import read_plan
+        from gemrender.sweep.atlas.store import AtlasStore
 
         write = AtlasStore.write
         def killed(store, chunk, found):
@@ -378,10 +450,11 @@ def test_a_missing_package_is_told_with_the_cure(tmp_path, monkeypatch, package)
 
 def test_the_command_makes_goes_on_and_exports(gemrender, folder):
     (folder / "grid.toml").write_text(textwrap.dedent(GRID))
-    status, out, err = gemrender("atlas", "grid.toml", "--dry-run")
+    status, out, err = gemrender("atlas", "grid.toml", "--processes", 2, "--dry-run")
     assert (status, err) == (0, "")
     assert "stones    12\n" in out
     assert "chunks    3, of at most 4 stones\n" in out
+    assert " processes, measured on 12 of them\n" in out
     assert not (folder / "grid.zarr").exists()
     status, _, err = gemrender("atlas", "grid.toml", "--threads", 2)
     assert status == 0
@@ -397,7 +470,7 @@ def test_an_interrupted_command_ends_with_130(gemrender, folder, monkeypatch):
     def interrupt(*arguments, **options):
         os.kill(os.getpid(), signal.SIGINT)
 
-    monkeypatch.setattr(atlas_of, "_made", interrupt)
+    monkeypatch.setattr(run, "_made", interrupt)
     assert gemrender("atlas", "grid.toml")[0] == 130
     assert len(list((folder / "grid.zarr" / "status" / "c").iterdir())) == 3
 
@@ -408,7 +481,10 @@ def test_an_interrupted_command_ends_with_130(gemrender, folder, monkeypatch):
         (("nowhere.toml",), "nowhere.toml: no such file"),
         (("grid.toml", "grid.toml"), "is one plan too many"),
         (("grid.toml", "--threads", "0"), "--threads"),
-        (("grid.toml", "--threads", "2", "--dask", "local"), "--threads"),
+        (("grid.toml", "--processes", "0"), "--processes"),
+        (("grid.toml", "--threads", "2", "--processes", "2"), "cannot be given together with --processes"),
+        (("grid.toml", "--threads", "2", "--dask", "local"), "cannot be given together with --dask"),
+        (("grid.toml", "--processes", "2", "--dask", "local"), "cannot be given together with --dask"),
         (("grid.toml", "--dask", "nowhere"), "must be the address of a scheduler"),
         (("grid.toml", "--dask", "local:0"), "with N from 1"),
         (("export",), "must be one atlas"),

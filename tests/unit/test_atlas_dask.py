@@ -11,8 +11,8 @@ import pytest
 
 from gemrender.errors import BackendError, InputError
 from gemrender.sweep.atlas import make_atlas
-from gemrender.sweep.atlas_plan_file import read_plan
-from gemrender.sweep.atlas_store import AtlasStore
+from gemrender.sweep.atlas.plan_file import read_plan
+from gemrender.sweep.atlas.store import AtlasStore
 
 distributed = pytest.importorskip("distributed")
 
@@ -77,7 +77,7 @@ def test_a_worker_killed_in_the_middle_has_its_chunk_done_again(plan, tmp_path, 
 
 
 def test_after_the_scheduler_has_ended_another_one_goes_on(plan, tmp_path, expected, monkeypatch):
-    monkeypatch.setattr("gemrender.sweep.atlas_dask._ANSWER_S", 1)
+    monkeypatch.setattr("gemrender.sweep.atlas.cluster._ANSWER_S", 1)
     where = str(tmp_path / "a.zarr")
     one = cluster(n_workers=1, processes=False)
     with pytest.raises(BackendError, match="was lost; what is done is kept"):
@@ -91,7 +91,7 @@ def test_after_the_scheduler_has_ended_another_one_goes_on(plan, tmp_path, expec
 
 
 def test_a_scheduler_that_is_not_there_is_told(plan, tmp_path, monkeypatch):
-    monkeypatch.setattr("gemrender.sweep.atlas_dask._ANSWER_S", 0.2)
+    monkeypatch.setattr("gemrender.sweep.atlas.cluster._ANSWER_S", 0.2)
     with pytest.raises(InputError, match="no scheduler answers there"):
         make_atlas(plan, str(tmp_path / "a.zarr"), dask="tcp://127.0.0.1:9")
 

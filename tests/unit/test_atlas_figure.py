@@ -10,9 +10,9 @@ import pytest
 import gemrender as gem
 from gemrender.errors import InputError
 from gemrender.report.atlas import EXCELLENT, atlas_figure
-from gemrender.sweep.atlas_map import atlas_map, cliffs, parameter_of, two_mains_limit
-from gemrender.sweep.atlas_plan_file import read_plan
-from gemrender.sweep.atlas_store import DONE, NO_STONE, AtlasStore, open_atlas
+from gemrender.sweep.atlas.map import atlas_map, cliffs, parameter_of, two_mains_limit
+from gemrender.sweep.atlas.plan_file import read_plan
+from gemrender.sweep.atlas.store import DONE, NO_STONE, AtlasStore, open_atlas
 
 GRID = """
     name = "Made up"

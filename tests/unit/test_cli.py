@@ -85,7 +85,7 @@ BAD_INPUT = {
     "sensitivity inoue-1 hollow.csv --out x": "hollow.csv: has no proportions to differentiate by",
     "sensitivity inoue-1 --bound x": "--bound = 'x': must be a finite number of per cent",
     "sensitivity inoue-1 --bound 0": "--bound = 0.0: must be from 0.0001 to 10 [%]",
-    "sensitivity inoue-1 --measures iso": "--measures = 'iso': cannot be differentiated: it needs ",
+    "sensitivity inoue-1 --measures facets": "--measures = 'facets': cannot be differentiated: its values ",
     "sensitivity inoue-1 --measures sparkle": "--measures = 'sparkle': must be one of inoue, iso, ",
     "sensitivity inoue-1 --reach 1": "--reach: is of cliffs; add --cliffs",
     "sensitivity inoue-1 --cliffs --reach 0": "--reach = 0.0: must be a number above 0",
@@ -347,8 +347,10 @@ def test_sensitivity_as_json(gemrender):
 
 
 def test_sensitivity_of_measures(gemrender):
-    (found,) = json.loads(gemrender("sensitivity", "inoue-3", "--measures", "window,aset", "--json")[1])
+    command = ["sensitivity", "inoue-3", "--material", "quartz", "--derivative-bound", "10"]
+    (found,) = json.loads(gemrender(*command, "--measures", "window,aset", "--json")[1])
     zones = ["green", "red", "blue", "leak", "trapped", "tied"]
+    zones += [f"weighted_{zone}" for zone in zones[:4]] + ["surface", "rest", "weighted_tied"]
     for of in found["derivatives"]:
         assert list(of)[-1] == "measures"
         assert {name: list(values) for name, values in of["measures"].items()} == {

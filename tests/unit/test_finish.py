@@ -8,9 +8,19 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from gemrender.colorimetry import white_xyz
 from gemrender.errors import InputError
-from gemrender.render.develop import EXPOSED_TO
-from gemrender.render.finish import PAPER, denoised, developed, exposure_of, write_picture
+from gemrender.render.develop import CURVES, EXPOSED_TO
+from gemrender.render.finish import (
+    PAPER,
+    WHITE_PAPER,
+    denoised,
+    developed,
+    exposure_of,
+    white_of,
+    write_picture,
+)
+from gemrender.render.fireflies import BRIGHTER, FEWEST_SAMPLES, firefly_scale, without_fireflies
 from gemrender.render.photoreal import Foreground, Picture
 from gemrender.scene.setup import Setup, Sky
 
@@ -49,6 +59,29 @@ def test_the_exposure_goes_by_the_stones(ground):
 def test_or_by_the_ground(stone):
     setup = dataclasses.replace(SETUP, expose_for="ground")
     assert exposure_of(picture(stone, 0.2), setup) == pytest.approx(PAPER / 0.2)
+
+
+@pytest.mark.parametrize("curve", CURVES)
+def test_or_so_that_the_ground_is_white_through_the_curve(curve):
+    setup = dataclasses.replace(SETUP, expose_for="white", curve=curve)
+    warm = picture(0.5, 0.2)
+    warm.xyz[:, 3:6] = 0.2 * white_xyz(4000)
+    shown = developed(warm, setup, exposure=exposure_of(warm, setup), curve=curve)
+    assert (shown[:, 3:6] == WHITE_PAPER).all()  # neutral, whatever the light
+    two_stops = exposure_of(warm, setup, ev=2.0)
+    assert two_stops == pytest.approx(4 * exposure_of(warm, setup))
+
+
+def test_a_white_ground_that_is_black_leaves_white_and_exposure_to_the_stones():
+    setup = dataclasses.replace(SETUP, expose_for="white", white=4000)
+    assert exposure_of(picture(0.5, 0.0), setup) == pytest.approx(EXPOSED_TO / 0.5)
+    np.testing.assert_array_equal(white_of(picture(0.5, 0.0), setup), white_xyz(4000))
+
+
+def test_the_set_up_says_what_is_white_where_the_ground_need_not_be():
+    np.testing.assert_array_equal(
+        white_of(picture(), dataclasses.replace(SETUP, white=4000)), white_xyz(4000)
+    )
 
 
 def test_without_a_ground_by_the_stones_after_all():
@@ -176,3 +209,63 @@ def test_the_denoiser_takes_the_dark_as_it_takes_the_light(radiance):
     dim = dataclasses.replace(picture, xyz=(radiance * picture.xyz).astype(np.float32), foreground=None)
     expected = denoised(dataclasses.replace(picture, foreground=None)).xyz
     assert np.abs(denoised(dim).xyz / radiance - expected).max() < DENOISED
+
+
+# ---- Fireflies -----------------------------------------------------------------------------------------
+
+
+def two_halves(stone=0.5):
+    """A picture of even light, with a sparkle, which both halves saw, and a firefly, which one did."""
+    halves = np.full((2, 4, 9), stone, np.float32)
+    halves[:, 1, 1] = 40 * stone
+    halves[0, 2, 6] = 90 * stone
+    whole = picture(stone, stone)
+    xyz = np.repeat(halves.mean(axis=0)[..., None], 3, axis=2)
+    return dataclasses.replace(whole, xyz=xyz, halves=halves, samples=FEWEST_SAMPLES)
+
+
+def test_what_one_half_of_the_samples_saw_is_clamped_to_twice_what_both_did():
+    clamped = without_fireflies(two_halves())
+    assert clamped.clamped == 1
+    assert clamped.xyz[2, 6] == pytest.approx(BRIGHTER * 0.5)
+    others = np.ones((4, 9), bool)
+    others[2, 6] = False
+    np.testing.assert_array_equal(clamped.xyz[others], two_halves().xyz[others])
+
+
+def test_a_firefly_keeps_its_colour():
+    coloured = two_halves()
+    coloured.xyz[2, 6] *= np.array([0.5, 1.0, 0.25], np.float32)
+    np.testing.assert_allclose(without_fireflies(coloured).xyz[2, 6], [0.5, 1.0, 0.25], rtol=1e-6)
+
+
+def test_light_that_comes_evenly_is_left_alone(rng):
+    light = rng.uniform(0, 1e4, (30, 40)).astype(np.float32)
+    np.testing.assert_array_equal(firefly_scale(np.stack([light, light])), 1)
+    np.testing.assert_array_equal(firefly_scale(np.zeros((2, 3, 3), np.float32)), 1)
+
+
+@pytest.mark.parametrize("changed", [{"halves": None}, {"samples": FEWEST_SAMPLES - 1}])
+def test_where_chance_cannot_be_told_from_light_nothing_is_clamped(changed):
+    whole = dataclasses.replace(two_halves(), **changed)
+    assert without_fireflies(whole) is whole
+
+
+def test_png_is_clamped_and_says_so_and_exr_is_not(tmp_path):
+    whole = two_halves()
+    path = write_picture(tmp_path / "a.png", whole, SETUP, exposure=1.0, about={"Description": "A stone"})
+    with Image.open(path) as image:
+        assert image.text["Description"] == "A stone, fireflies clamped in 1 of 36 pixels"
+        np.testing.assert_array_equal(image, developed(without_fireflies(whole), SETUP, exposure=1.0))
+    even = dataclasses.replace(whole, halves=np.stack([whole.xyz[..., 1]] * 2))
+    with Image.open(write_picture(tmp_path / "b.png", even, SETUP, exposure=1.0)) as image:
+        assert "Description" not in image.text
+    assert read_exr(write_picture(tmp_path / "a.exr", whole, SETUP, exposure=1.0))["Y"][2, 6] == 45.5 * 0.5
+
+
+def test_the_denoiser_gets_fireflies_unless_they_are_to_be_clamped():
+    pytest.importorskip("mitsuba_oidn")
+    whole = two_halves()
+    assert denoised(whole).clamped == 0
+    assert denoised(whole, clamp=True).clamped == 1
+    assert denoised(whole).halves is None

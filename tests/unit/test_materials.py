@@ -21,6 +21,9 @@ from gemrender.optics.tabulated import Table
 GRADES = [f"diamond {grade}" for grade in DIAMOND_GRADES]
 CRYSTAL_OF = {
     **{name: name for name in PAGES},
+    "garnet": "garnet",
+    "rhodolite": "garnet",
+    "amethyst": "quartz",
     "ruby": "sapphire",
     "blue sapphire": "sapphire",
     "fancy yellow diamond": "diamond",
@@ -52,6 +55,12 @@ def test_range_is_that_of_the_database(name):
     assert load_material(name).range_nm == pytest.approx(
         published(name).get_wl_range(unit="nm", quantity="n"), rel=ROUNDING
     )
+
+
+def test_a_garnet_has_the_printed_index_and_dispersion():
+    garnet = load_material("garnet")
+    assert float(garnet.index(589.3)) == pytest.approx(1.760, abs=FOUR_DECIMALS)
+    assert garnet.dispersion_b_g == pytest.approx(0.026, abs=FOUR_DECIMALS)
 
 
 @pytest.mark.parametrize("name", sorted(set(CRYSTAL_OF) - set(PAGES)))
@@ -148,6 +157,9 @@ def test_each_grade_absorbs_more_than_the_one_before():
         ("ruby", [405, 555], 1),
         ("blue sapphire", [377, 388, 450], 2),
         ("blue sapphire", [580], 10),
+        ("amethyst", [545], 3),
+        ("rhodolite", [423, 460, 573], 3),
+        ("rhodolite", [504], 6),
         ("diamond z", [394, 403, 415.2, 423, 452, 465, 478], 2),
     ],
 )
@@ -175,6 +187,8 @@ def through(name, path_mm):
     [
         ("ruby", (30, 50), (60, 90), (0, 30)),  # red, a little purplish
         ("blue sapphire", (35, 60), (60, 100), (280, 305)),  # blue of sRGB: 306
+        ("amethyst", (35, 60), (35, 75), (305, 335)),
+        ("rhodolite", (25, 55), (45, 95), (0, 30)),  # red, a little purplish
         ("fancy yellow diamond", (80, 95), (60, 100), (85, 105)),  # yellow of sRGB: 103
         ("diamond z", (95, 99), (20, 35), (95, 115)),
         ("diamond k", (99, 100), (3, 8), (95, 115)),

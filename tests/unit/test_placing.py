@@ -16,6 +16,7 @@ from gemrender.cuts.round_brilliant.topology import CULET, FACET_POLYGONS
 from gemrender.errors import InputError
 from gemrender.optics import load_material
 from gemrender.render.photoreal import make_gems
+from gemrender.scene.moves import Move
 from gemrender.scene.photoreal import photoreal_scene
 from gemrender.scene.placing import frame, place, towards
 from gemrender.scene.setup import CAMERAS, POSES, Camera, Setup, Sky, load_setup
@@ -314,7 +315,7 @@ def test_a_turntable_leaves_room_for_all_turns(kind, stones, elevation, variant_
     gems, setup = make_gems(ROW[:stones]), setup_of(camera)
     sensors, most = set(), 0.0
     for turn in (0.0, 24.7, 91.2, 180.0, 265.0):
-        scene = photoreal_scene(gems, setup, width=64, height=48, turntable=True, turn_deg=turn)
+        scene = photoreal_scene(gems, setup, width=64, height=48, move=Move(), share=turn / 360)
         sensors.add(repr(scene.plain["sensor"]))
         most = max(most, float(np.abs(np.concatenate(seen(scene))).max()))
     assert len(sensors) == 1  # the camera stands still
@@ -345,9 +346,9 @@ def test_a_camera_above_the_table_by_little_is_allowed_and_below_it_is_not():
     half = 0.5 * float(np.ptp(placed.points()[:, 2]))
     target = np.array([0.0, 0.0, half])
     camera = Camera(elevation=90, distance=1.05 * half)
-    frame(camera, [placed], target, 1.0, [0.0])
+    frame(camera, [placed], target, 1.0)
     with pytest.raises(InputError, match=f"its front is {half:.3g} girdle radii from the middle"):
-        frame(dataclasses.replace(camera, distance=0.95 * half), [placed], target, 1.0, [0.0])
+        frame(dataclasses.replace(camera, distance=0.95 * half), [placed], target, 1.0)
 
 
 def test_a_row_may_not_come_too_near_while_it_turns(variant_llvm_ad_spectral):
@@ -356,7 +357,7 @@ def test_a_row_may_not_come_too_near_while_it_turns(variant_llvm_ad_spectral):
     gems = make_gems(ROW)
     photoreal_scene(gems, setup, width=8, height=8)
     with pytest.raises(InputError, match=r"^test: camera\.distance = 3\.0: is too near to see "):
-        photoreal_scene(gems, setup, width=8, height=8, turntable=True)
+        photoreal_scene(gems, setup, width=8, height=8, move=Move())
 
 
 def test_the_file_of_the_setup_is_named(variant_llvm_ad_spectral):

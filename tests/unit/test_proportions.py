@@ -245,6 +245,12 @@ def test_star_tip_above_the_table_is_refused_with_the_smallest_star():
         RoundBrilliant(**GOOD | {"star": smallest - 0.01})
 
 
+def test_a_girdle_of_next_to_no_height_is_none():
+    """Its facets are lost among rounding: a stone of 6e-8 % had edges that were there twice."""
+    assert RoundBrilliant(**GOOD | {"girdle_thickness": 6e-8}).girdle_thickness == 0.0
+    assert RoundBrilliant(**GOOD | {"girdle_thickness": 1e-6}).girdle_thickness == 1e-6
+
+
 def test_smallest_star_is_within_its_range_for_every_table():
     """A table is never refused for its star with a length that the star cannot have."""
     _, high = RANGES["star"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import inspect
 import pkgutil
 from types import ModuleType
 
@@ -33,7 +34,7 @@ def test_all_is_what_is_exported():
         name
         for name in dir(gemrender)
         if not name.startswith("_")
-        and not isinstance(value := getattr(gemrender, name), ModuleType)
+        and (not isinstance(value := getattr(gemrender, name), ModuleType) or callable(value))
         and getattr(value, "__module__", "").startswith("gemrender")
     }
     assert exported == set(gemrender.__all__)
@@ -87,11 +88,21 @@ def test_the_import_of_both_sets_no_variant():
         "import gemrender.crosscheck",
         "import gemrender.cli",
         "import gemrender.engines; gemrender.load_stone('inoue-1')",
+        "import gemrender.render",
+        "import gemrender.render.picture_files",
     ],
 )
 def test_score_stays_the_function(statement):
-    code = f"import gemrender; {statement}; print(callable(gemrender.score), callable(gemrender.observe))"
-    assert run_python("-c", code).stdout == "True True\n"
+    called = "[callable(each) for each in (gemrender.score, gemrender.observe, gemrender.render)]"
+    assert run_python("-c", f"import gemrender; {statement}; print({called})").stdout == f"{[True] * 3}\n"
+
+
+def test_what_renders_pictures_is_a_package_too():
+    from gemrender.render import backend, from_python
+
+    assert gemrender.render.backend is backend
+    assert inspect.signature(gemrender.render) == inspect.signature(from_python.render)
+    assert gemrender.render.__doc__ == from_python.render.__doc__
 
 
 def test_the_example_of_the_design_runs():

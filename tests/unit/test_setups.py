@@ -18,8 +18,8 @@ from gemrender.scene.setup import Camera, Ground, Light, Setup, Sky, Zone, bundl
 from gemrender.scene.zones import layers
 
 BUNDLED = [
-    "arrows", "aset", "fire", "hearts", "hemisphere", "ideal-scope", "loupe", "studio", "velvet", "white",
-    "window",
+    "arrows", "aset", "fire", "hearts", "hemisphere", "ideal-scope", "loupe", "macro", "product", "studio",
+    "sun", "velvet", "white", "window",
 ]  # fmt: skip
 SETUPS = Path(gemrender.__file__).parent.parent / "scenes" / "setups"
 
@@ -190,7 +190,11 @@ def test_any_order_line_ends_and_byte_order_mark_do():
 
 # ---- Mistakes ------------------------------------------------------------------------------------------
 
-_TOP = "name, about, pose, facing, gap, white, expose_for, exposure, camera, sky, ground, light"
+_SKY_KEYS = "type, radiance, spectrum, zones, image, azimuth, scale, boxes"
+_TOP = (
+    "name, about, pose, facing, gap, girdle, white, expose_for, exposure, curve, camera, sky, ground, "
+    "setting, light, thing"
+)
 _OF_CAMERA = "type, elevation, azimuth, distance, margin, aperture, focus"
 _OF_LIGHT = "shape, elevation, azimuth, distance, size, count, radiance, spectrum"
 _SIZE = "must be one or two numbers above 0 [girdle radius]"
@@ -230,7 +234,7 @@ REFUSED = {
         f"light 1.sise = 3: unknown key; must be one of {_OF_LIGHT}; did you mean size?",
     ),
     "sky's key": (
-        f'{SKY}color = "a"', "sky.color = 'a': unknown key; must be one of type, radiance, spectrum, zones",
+        f'{SKY}color = "a"', f"sky.color = 'a': unknown key; must be one of {_SKY_KEYS}",
     ),
     "ground's key": (
         f"{GROUND}kind = 1", "ground.kind = 1: unknown key; must be one of type, reflectance, distance",
@@ -241,7 +245,7 @@ REFUSED = {
         f"camera = 'x': must be a section: a line [camera], and below it {_OF_CAMERA}",
     ),
     "sky that is a number": (
-        "sky = 1", "sky = 1: must be a section: a line [sky], and below it type, radiance, spectrum, zones",
+        "sky = 1", f"sky = 1: must be a section: a line [sky], and below it {_SKY_KEYS}",
     ),
     "one light": ("[light]\nradiance = 1", f"light = {{'radiance': 1}}: {_SECTIONS}"),
     "light that is a number": (f"light = 1\n{SKY}", f"light = 1: {_SECTIONS}"),
@@ -330,7 +334,10 @@ REFUSED = {
     "hot": (f"{LIGHT}spectrum = 99999", f"light 1.spectrum = 99999: {_SPECTRUM}"),
     "spectrum that is a list": (f"{LIGHT}spectrum = [1]", f"light 1.spectrum = [1]: {_SPECTRUM}"),
     # ---- Sky and ground ----
-    "sky": ('[sky]\ntype = "dome"', "sky.type = 'dome': must be one of uniform, hemisphere, zones"),
+    "sky": (
+        '[sky]\ntype = "dome"',
+        "sky.type = 'dome': must be one of uniform, hemisphere, zones, image, studio",
+    ),
     "sky's radiance": ("[sky]\nradiance = inf", "sky.radiance = inf: must be a number from 0 to 1e+09"),
     "sky's spectrum": (f"{SKY}spectrum = nan", f"sky.spectrum = nan: {_SPECTRUM}"),
     # ---- Zones ----
@@ -508,10 +515,18 @@ def test_a_camera_under_the_ground_is_refused(tmp_path):
 
 def test_a_light_among_the_stones_is_refused(tmp_path):
     path = tmp_path / "a.toml"
+    path.write_text(WHOLE + '[[light]]\nshape = "sphere"\nelevation = 0\ndistance = 1.2\nsize = 1\n')
+    with pytest.raises(InputError, match=r"light 1.distance = 1.2: too near: the stones reach 1\.?"):
+        scene_of(path)
+
+
+def test_a_row_of_stones_that_reaches_its_lights_gets_the_same_setup_larger(tmp_path):
+    path = tmp_path / "a.toml"
     path.write_text(WHOLE + '[[light]]\nshape = "sphere"\nelevation = 0\ndistance = 4\nsize = 1\n')
-    scene_of(path)
-    with pytest.raises(InputError, match=r"light 1.distance = 4: too near: the stones reach 5"):
-        scene_of(path, stones=5)
+    near, far = (scene_of(path, stones=number).plain["light_1"] for number in (1, 5))
+    grown = far["radius"] / near["radius"]
+    assert grown == pytest.approx(1.25**3)
+    assert np.hypot(*far["center"][:2]) == pytest.approx(grown * np.hypot(*near["center"][:2]))
 
 
 def test_a_sweep_bends_up_beyond_any_row_of_stones():

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from gemrender.cuts.round_brilliant.topology import (
     CONTACT,
-    CULET,
     GIRDLE_LOWER,
     GIRDLE_UPPER,
     N_VERTICES,
@@ -55,8 +54,18 @@ ANGLE_RANGES: dict[str, tuple[float, float]] = {
 }
 
 _COS = math.cos(math.pi / 8)
+#: Cosine and sine of every vertex's azimuth; how many have the same radius, and the same height.
+_AZIMUTHS = np.zeros(N_VERTICES)
+for _ring, _first, _step in (
+    (TABLE_CORNER, 0, 2), (STAR_TIP, 1, 2), (GIRDLE_UPPER, 0, 1), (GIRDLE_LOWER, 0, 1), (CONTACT, 1, 2),
+):  # fmt: skip
+    _AZIMUTHS[_ring] = np.pi / 8 * (_first + _step * np.arange(len(_ring)))
+_COSINES, _SINES = np.cos(_AZIMUTHS), np.sin(_AZIMUTHS)
+_RADII, _HEIGHTS = (8, 8, 32, 8, 1), (8, 8, 16, 16, 8, 1)
 #: Star tips must lie below the table by at least this share of the crown height.
 _STAR_MARGIN = 1e-3
+#: Least thickness of a girdle [%]: a thinner one is none, since its facets are lost among rounding.
+_LEAST_GIRDLE = 1e-6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,7 +102,7 @@ class RoundBrilliant:
     girdle_thickness: float
 
     def __post_init__(self) -> None:
-        for key, value in checked_values(asdict(self)).items():
+        for key, value in checked_values(self.values()).items():
             object.__setattr__(self, key, value)
         smallest = smallest_star(self.table)
         if self.star < smallest:
@@ -103,6 +112,8 @@ class RoundBrilliant:
                 key="star",
                 value=self.star,
             )
+        if self.girdle_thickness < _LEAST_GIRDLE:
+            object.__setattr__(self, "girdle_thickness", 0.0)
 
     @classmethod
     def from_angles(
@@ -147,6 +158,10 @@ class RoundBrilliant:
             girdle_thickness=girdle_thickness,
         )
 
+    def values(self) -> dict[str, float]:
+        """Return the proportions by their names."""
+        return {key: getattr(self, key) for key in RANGES}
+
     @property
     def crown_angle_deg(self) -> float:
         """Angle between a bezel main and the girdle plane [deg]."""
@@ -172,7 +187,7 @@ class RoundBrilliant:
             x, y, z [girdle radius], in the order of `topology.VERTEX_LABELS`; z = 0 at the girdle's
             lower edge, table up, the first table corner at azimuth 0.
         """
-        return brilliant_vertices(**asdict(self))
+        return brilliant_vertices(**self.values())
 
 
 def brilliant_vertices(
@@ -199,16 +214,10 @@ def brilliant_vertices(
     z_star = girdle + crown * (1 - r_star * _COS) / (1 - r_table)
     z_contact = -pavilion * (1 - r_contact * _COS)
 
-    step = np.pi / 8
-    even, odd, every = 2 * step * np.arange(8), step * (2 * np.arange(8) + 1), step * np.arange(16)
-    out = np.empty((N_VERTICES, 3), dtype=np.result_type(z_star, z_contact, float))
-    out[TABLE_CORNER] = _ring(even, r_table, girdle + crown)
-    out[STAR_TIP] = _ring(odd, r_star, z_star)
-    out[GIRDLE_UPPER] = _ring(every, 1.0, girdle)
-    out[GIRDLE_LOWER] = _ring(every, 1.0, 0.0)
-    out[CONTACT] = _ring(odd, r_contact, z_contact)
-    out[CULET] = (0.0, 0.0, -pavilion)
-    return out
+    # By ring: table corners, star tips, both edges of the girdle, contacts, and the culet.
+    radius = np.repeat([r_table, r_star, 1.0, r_contact, 0.0], _RADII)
+    height = np.repeat([girdle + crown, z_star, girdle, 0.0, z_contact, -pavilion], _HEIGHTS)
+    return np.stack([radius * _COSINES, radius * _SINES, height], axis=-1)
 
 
 def crown_height_from_angle(table: float, crown_angle: float) -> float:
@@ -303,10 +312,6 @@ def smallest_star(table: float) -> float:
     edge = r_table * _COS
     r_star = (r_table + _STAR_MARGIN * (1 - r_table)) / _COS
     return 100 * (r_star - edge) / (1 - edge)
-
-
-def _ring(azimuth: np.ndarray, radius: Any, z: Any) -> np.ndarray:
-    return np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), np.full(azimuth.shape, z)], axis=-1)
 
 
 def _height(key: str, height: float, angle_key: str, angle: float) -> float:

@@ -1,4 +1,4 @@
-"""One chunk of an atlas measured: the same numbers whoever does it, and when."""
+"""Stones of an atlas measured: the same numbers whoever does it, in whichever parts, and when."""
 
 from __future__ import annotations
 
@@ -13,70 +13,66 @@ from gemrender.measures.inoue import Inoue
 from gemrender.observation import Measurement
 from gemrender.request import resolve
 from gemrender.stone import Stone
-from gemrender.sweep.atlas_plan import AtlasPlan
-from gemrender.sweep.atlas_store import DONE, FAILED, NO_STONE
+from gemrender.sweep.atlas.parts import Measured, Part, chunk_arrays, chunk_size
+from gemrender.sweep.atlas.plan import AtlasPlan
+from gemrender.sweep.atlas.store import DONE, FAILED, NO_STONE
 
-__all__ = ["chunk_values", "measure_chunk"]
+__all__ = ["chunk_values", "measure_chunk", "measure_part"]
 
 #: Memory that a measurement may take, whatever the number of threads: a process stays below 1 GiB [GiB].
 _MEMORY = 0.25
 _PREPARING = threading.Lock()
 
 
-def measure_chunk(
-    plan: AtlasPlan, chunk: int, goes_on: Callable[[], bool] = lambda: True
-) -> dict[str, np.ndarray] | None:
-    """Measure the stones of a chunk.
+def measure_part(plan: AtlasPlan, part: Part, goes_on: Callable[[], bool] = lambda: True) -> Measured | None:
+    """Measure some stones of a chunk.
 
     Parameters
     ----------
     plan : AtlasPlan
         The plan.
-    chunk : int
-        Which one, from 0.
+    part : Part
+        Which stones.
     goes_on : callable
         Asked before each stone whether to go on.
 
     Returns
     -------
-    dict of str to array, or None
-        `status`, each of the plan's variables, and parameters of a Sobol design, as the store has them; None
-        where it was stopped.
+    Measured or None
+        None where it was stopped.
     """
     with _PREPARING:  # a kernel's first call must not be made by two threads at once
         prepare(rays=True)
-    place = plan.place(chunk)
-    shape = tuple(part.stop - part.start for part in place)
-    rows: list[np.ndarray] = []
-    status = []
-    for setting in plan.settings(place):
+    n = part.last - part.first
+    values = np.full((n, len(plan.views), len(plan.variables)), np.nan, dtype=np.float32)
+    status = np.empty(n, dtype=np.int8)
+    for k, setting in enumerate(plan.settings(plan.place(part.chunk), part.first, part.last)):
         if not goes_on():
             return None
-        values, state = _measured(plan, setting)
-        rows.append(values)
-        status.append(state)
-    found = np.array(rows, dtype=np.float32)
-    views = (len(plan.tilts),) if plan.tilts else ()
-    out = {variable.name: found[:, :, k].reshape(shape + views) for k, variable in enumerate(plan.variables)}
-    if plan.ranges:
-        points = plan.points(place[0])
-        out |= {key: points[:, k] for k, key in enumerate(plan.ranges)}
-    return out | {"status": np.array(status, dtype=np.int8).reshape(shape)}
+        status[k] = _measure(plan, setting, values[k])
+    return Measured(part, values, status)
 
 
-def _measured(plan: AtlasPlan, setting: dict[str, float | str]) -> tuple[np.ndarray, int]:
-    """Return the values of a stone, (views, variables), NaN where there are none; and its status."""
-    nothing = np.full((len(plan.views), len(plan.variables)), np.nan)
+def measure_chunk(plan: AtlasPlan, chunk: int) -> dict[str, np.ndarray]:
+    """Measure a chunk; return what `chunk_arrays` does."""
+    measured = measure_part(plan, Part(chunk, 0, chunk_size(plan, chunk)))
+    assert measured is not None  # nobody stops it
+    return chunk_arrays(plan, chunk, measured.values, measured.status)
+
+
+def _measure(plan: AtlasPlan, setting: dict[str, float | str], out: np.ndarray) -> int:
+    """Write the values of a stone, (views, variables), where there are some; return its status."""
     try:
         stone = plan.made(setting)
     except InputError:
-        return nothing, NO_STONE
+        return NO_STONE
     try:
-        return np.array([chunk_values(plan, stone, tilt) for tilt in plan.views]), DONE
+        out[...] = [chunk_values(plan, stone, tilt) for tilt in plan.views]
     except InputError:  # a model that cannot be of this material
-        return nothing, NO_STONE
+        return NO_STONE
     except (ArithmeticError, ValueError, IndexError, np.linalg.LinAlgError):
-        return nothing, FAILED
+        return FAILED
+    return DONE
 
 
 def chunk_values(plan: AtlasPlan, stone: Stone, tilt: tuple[float, float]) -> list[float]:

@@ -17,7 +17,7 @@ from gemrender.measures import Measure, chosen_measures
 from gemrender.optics.materials import refractive_index
 from gemrender.reading import located_at, parse_toml, read_lines, refuse_unknown, section, stem
 from gemrender.stone import Stone
-from gemrender.sweep.atlas_plan import CHUNK, MOST_CELLS, AtlasPlan
+from gemrender.sweep.atlas.plan import CHUNK, MOST_CELLS, AtlasPlan
 
 __all__ = ["read_plan"]
 

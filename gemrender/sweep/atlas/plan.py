@@ -6,6 +6,7 @@ import hashlib
 import itertools
 import json
 import math
+import threading
 from collections.abc import Iterator
 from dataclasses import dataclass, field, fields
 from functools import cached_property
@@ -130,27 +131,28 @@ class AtlasPlan:
 
     # ---- Stones ----
 
-    def settings(self, place: tuple[slice, ...]) -> Iterator[dict[str, Value]]:
-        """Yield what is set for each stone there, the last dimension varying fastest."""
+    def settings(
+        self, place: tuple[slice, ...], first: int = 0, last: int | None = None
+    ) -> Iterator[dict[str, Value]]:
+        """Yield what is set for the stones there, or some of them; the last dimension varies fastest."""
         parts = dict(zip(self.sizes, place, strict=True))
-        axes: list[list[dict[str, Value]]] = []
-        if self.ranges:
-            points = self.points(parts[STONES])
-            axes.append([dict(zip(self.ranges, map(float, point), strict=True)) for point in points])
-        axes += [[{key: value} for value in values[parts[key]]] for key, values in self.grid.items()]
-        for cell in itertools.product(*axes):
+        axes: list[list[dict[str, Value]]] = [
+            [{key: value} for value in values[parts[key]]] for key, values in self.grid.items()
+        ]
+        if self.ranges:  # points only of what is asked for
+            rows, inner = parts[STONES], math.prod(len(axis) for axis in axes)
+            end = rows.stop if last is None else rows.start + -(-last // inner)
+            rows = slice(rows.start + first // inner, end)
+            last = None if last is None else last - first // inner * inner
+            first %= inner
+            points = self.points(rows)
+            axes.insert(0, [dict(zip(self.ranges, map(float, point), strict=True)) for point in points])
+        for cell in itertools.islice(itertools.product(*axes), first, last):
             yield {key: value for each in cell for key, value in each.items()}
 
     def points(self, numbers: slice) -> np.ndarray:
         """Return points of the Sobol design, (n, parameters): the same whichever are asked for together."""
-        from scipy.stats import qmc
-
-        engine = qmc.Sobol(len(self.ranges), scramble=True, seed=np.random.default_rng(self.seed))
-        if numbers.start:
-            engine.fast_forward(numbers.start)
-            unit = engine.random(numbers.stop - numbers.start)
-        else:  # the first alone, else a warning that the number is no power of two
-            unit = np.concatenate([engine.random(1), engine.random(numbers.stop - 1)])
+        unit = _points(len(self.ranges), self.seed, numbers.start, numbers.stop)
         low, high = np.array(list(self.ranges.values())).T
         return np.asarray(low + (high - low) * unit)
 
@@ -213,6 +215,27 @@ class AtlasPlan:
             "tilts": [list(tilt) for tilt in self.tilts],
             "chunk": self.chunk,
         }
+
+
+#: Where each thread's last sequence of points is: to go on there is quicker than to begin anew.
+_LAST = threading.local()
+
+
+def _points(dimensions: int, seed: int, start: int, stop: int) -> np.ndarray:
+    """Return points of a scrambled Sobol sequence, (stop - start, dimensions)."""
+    from scipy.stats import qmc
+
+    of = dimensions, seed
+    if getattr(_LAST, "of", None) != of or _LAST.engine.num_generated > start:
+        _LAST.engine = qmc.Sobol(dimensions, scramble=True, seed=np.random.default_rng(seed))
+        _LAST.of = of
+    engine = _LAST.engine
+    if engine.num_generated < start:
+        engine.fast_forward(start - engine.num_generated)
+    if start:
+        return np.asarray(engine.random(stop - start))
+    # The first alone, else there is a warning that the number is no power of two.
+    return np.concatenate([engine.random(1), engine.random(stop - 1)])
 
 
 def _shape_digest(stone: Stone) -> str:

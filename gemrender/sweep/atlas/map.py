@@ -13,8 +13,8 @@ from gemrender.errors import InputError
 from gemrender.optics.materials import refractive_index
 from gemrender.reading import did_you_mean
 from gemrender.stone import Stone
-from gemrender.sweep.atlas_plan import STONES, VIEWS
-from gemrender.sweep.atlas_store import ROUND_BRILLIANT
+from gemrender.sweep.atlas.plan import STONES, VIEWS
+from gemrender.sweep.atlas.store import ROUND_BRILLIANT
 
 if TYPE_CHECKING:
     import xarray

@@ -6,12 +6,13 @@ import contextlib
 import logging
 import re
 from collections.abc import Generator, Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import gemrender
 from gemrender.errors import BackendError, InputError
-from gemrender.sweep.atlas_chunk import measure_chunk
-from gemrender.sweep.atlas_plan import AtlasPlan
+from gemrender.sweep.atlas.chunk import measure_part
+from gemrender.sweep.atlas.parts import Measured, Part, chunk_size
+from gemrender.sweep.atlas.plan import AtlasPlan
 from gemrender.sweep.workers import MOST_TRIES, terminal_signals_blocked
 
 if TYPE_CHECKING:
@@ -22,13 +23,18 @@ __all__ = ["in_dask"]
 
 #: How long a scheduler may take to answer, and how long it may have no worker [s].
 _ANSWER_S, _WORKERS_S = 10, 120
+#: Of Dask, for clusters that are started here: workers are not looked at every 10 ms, and do not give back
+#: the memory of every stone, which the next one takes again [bytes].
+_SETTINGS = {
+    "distributed.scheduler.allowed-failures": MOST_TRIES,
+    "distributed.worker.profile.enabled": False,
+    "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": 1 << 27,
+}
 #: Chunks in flight for each thread of the cluster: one under way and one that waits.
 _AHEAD = 2
 
 
-def in_dask(
-    plan: AtlasPlan, chunks: Sequence[int], address: str
-) -> Generator[tuple[int, dict[str, np.ndarray]], None, None]:
+def in_dask(plan: AtlasPlan, chunks: Sequence[int], address: str) -> Generator[Measured, None, None]:
     """Measure chunks by the workers of a cluster, few of them ahead; yield them as they come.
 
     A worker that is lost has its chunk done again by another one, `MOST_TRIES` times. What comes back is
@@ -79,18 +85,20 @@ def in_dask(
             found = future.result()
             chunk = running.pop(future.key)
             future.release()
-            yield chunk, found
+            yield Measured(Part(chunk, 0, chunk_size(plan, chunk)), *found)
             hand_out()
         if running:
             raise BackendError(f"the scheduler {address} was lost; what is done is kept: run it again")
 
 
-def _on_worker(plan: AtlasPlan, chunk: int, version: str) -> Any:
+def _on_worker(plan: AtlasPlan, chunk: int, version: str) -> tuple[np.ndarray, np.ndarray]:
     if gemrender.__version__ != version:
         raise BackendError(
             f"a worker has gemrender {gemrender.__version__}, not {version}; to cure it: install that there"
         )
-    return measure_chunk(plan, chunk)
+    measured = measure_part(plan, Part(chunk, 0, chunk_size(plan, chunk)))
+    assert measured is not None  # nobody stops it
+    return measured.values, measured.status
 
 
 @contextlib.contextmanager
@@ -105,7 +113,7 @@ def _client(address: str) -> Iterator[Client]:
         ) from error
     local = re.fullmatch(r"local(?::(\d+))?", address)
     with contextlib.ExitStack() as stack:
-        stack.enter_context(dask.config.set({"distributed.scheduler.allowed-failures": MOST_TRIES}))
+        stack.enter_context(dask.config.set(_SETTINGS))
         if local:
             number = None if local[1] is None else int(local[1])
             if number == 0:

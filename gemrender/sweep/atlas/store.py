@@ -6,6 +6,7 @@ tell is to do, however the work was stopped, and going on is a look at it.
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 import shutil
@@ -19,7 +20,7 @@ import gemrender
 from gemrender.cuts.families.family import Family
 from gemrender.errors import BackendError, InputError
 from gemrender.reading import reason
-from gemrender.sweep.atlas_plan import STONES, VIEWS, AtlasPlan, AtlasVariable
+from gemrender.sweep.atlas.plan import STONES, VIEWS, AtlasPlan, AtlasVariable, part_shape
 
 if TYPE_CHECKING:
     import xarray
@@ -47,6 +48,8 @@ _CONVENTIONS = "CF-1.11"
 #: The same bytes everywhere: one codec with its settings stated.
 _LEVEL = 5
 _RECORD = "plan"
+#: So many chunks are read at a time: zarr has something in memory for each of them.
+_READ = 4096
 
 
 def open_atlas(where: str) -> xarray.Dataset:
@@ -107,6 +110,7 @@ class AtlasStore:
 
     def __init__(self, plan: AtlasPlan, where: str) -> None:
         self.plan, self.where = plan, where
+        self._arrays: dict[str, Any] = {}  # as opened: to look one up is as much work as to write a chunk
         try:
             self._group = self._opened()
             self._fill_in()
@@ -117,17 +121,16 @@ class AtlasStore:
 
     def to_do(self) -> list[int]:
         """Return the chunks that are not done, in order; one that cannot be read is not."""
-        status = self._group["status"]
         plan = self.plan
         try:
-            found = np.asarray(status[...])
+            found = self.status()
         except Exception:  # a damaged chunk, told by whatever its codec raises
             return [k for k in range(plan.chunks) if not self._is_done(plan.place(k))]
         return [k for k in range(plan.chunks) if (found[plan.place(k)] == TO_DO).any()]
 
     def _is_done(self, place: tuple[slice, ...]) -> bool:
         try:
-            return bool((np.asarray(self._group["status"][place]) != TO_DO).all())
+            return bool((np.asarray(self._arrays["status"][place]) != TO_DO).all())
         except Exception:
             return False
 
@@ -143,13 +146,22 @@ class AtlasStore:
         try:
             for name in sorted(found, key=lambda name: name == "status"):
                 on_design = name in self.plan.ranges
-                self._group[name][place[:1] if on_design else place] = found[name]
+                self._arrays[name][place[:1] if on_design else place] = found[name]
         except (OSError, RuntimeError) as error:
             raise InputError(f"cannot be written ({reason(error)})", source=self.where) from error
 
     def status(self) -> np.ndarray:
         """Return what is known of every stone, of the plan's shape."""
-        return np.asarray(self._group["status"][...])
+        plan, array = self.plan, self._arrays["status"]
+        out = np.empty(plan.shape, dtype=np.int8)
+        numbers = part_shape(plan.chunks_along, _READ)
+        for first in itertools.product(*map(range, itertools.repeat(0), plan.chunks_along, numbers)):
+            place = tuple(
+                slice(k * size, (k + number) * size)
+                for k, number, size in zip(first, numbers, plan.chunk_shape, strict=True)
+            )
+            out[place] = array[place]
+        return out
 
     def tidy(self) -> None:
         """Remove what processes that were killed have left of files they had begun, once all is done."""
@@ -212,15 +224,17 @@ class AtlasStore:
         attributes: dict[str, Any],
     ) -> Any:  # fmt: skip
         if name in self._group:
-            return self._group[name]
+            self._arrays[name] = self._group[name]
+            return self._arrays[name]
         zarr = needed("zarr")
         kind = np.dtype(dtype)
         words = kind.kind == "U"
         filled = {} if words else {"fill_value": math.nan if kind.kind == "f" else 0}
-        return self._group.create_array(
+        self._arrays[name] = self._group.create_array(
             name, shape=shape, chunks=chunks, dtype=str if words else kind, dimension_names=dims,
             compressors=zarr.codecs.ZstdCodec(level=_LEVEL), attributes=attributes, **filled,
         )  # fmt: skip
+        return self._arrays[name]
 
 
 def _words(values: tuple[Any, ...]) -> bool:

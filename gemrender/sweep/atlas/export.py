@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from gemrender.errors import InputError
-from gemrender.sweep.atlas_plan import part_shape
-from gemrender.sweep.atlas_store import TO_DO, needed, open_atlas
+from gemrender.sweep.atlas.plan import part_shape
+from gemrender.sweep.atlas.store import TO_DO, needed, open_atlas
 from gemrender.writing import write_whole
 
 if TYPE_CHECKING:
