@@ -75,7 +75,7 @@ def _chain(points: np.ndarray, joints: tuple[tuple[float, ...], ...], blend: flo
         capsule = to_axis - (start[3] + (end[3] - start[3]) * share)
         distance = capsule if distance is None else _blend(distance, capsule, blend)
     assert distance is not None
-    return distance
+    return np.asarray(distance)
 
 
 def _blend(a: np.ndarray, b: np.ndarray, width: float) -> np.ndarray:
