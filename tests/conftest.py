@@ -9,6 +9,7 @@ A test that needs Mitsuba takes one of the variant fixtures and imports what it 
 from __future__ import annotations
 
 import contextlib
+import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -24,6 +25,10 @@ from gemrender.render.backend import ensure_variant, prepare_llvm
 # fixtures say so, and the tests that need no Mitsuba still run.
 with contextlib.suppress(BackendError):
     prepare_llvm()
+
+# Where Python is told to keep no bytecode, every program that a test starts would compile the whole package:
+# two seconds instead of one, some two hundred times. xdist's workers are started with this too.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
 
 def _variant(name: str) -> Iterator[str]:

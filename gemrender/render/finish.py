@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from gemrender.colorimetry import adapt, matrix_to_linear_srgb, white_xyz, xyz_to_linear_srgb
+from gemrender.colorimetry import adapt, white_xyz, xyz_to_linear_srgb
 from gemrender.errors import InputError
 from gemrender.render.curves import needed_for
 from gemrender.render.develop import auto_exposure, decode_srgb, develop
@@ -66,25 +66,25 @@ def denoised(picture: Picture, *, clamp: bool = False) -> Picture:
 
 
 def _denoised(oidn: Any, xyz: np.ndarray, albedo: np.ndarray, normal: np.ndarray) -> np.ndarray:
-    """Return XYZ after the denoiser."""
+    """Return XYZ after the denoiser.
+
+    It takes values of 0 and above only. Those of spectral colours, as stones throw them, are negative in any
+    RGB of the screen, and luminance came out negative where both signs went through it apart. So it is given
+    XYZ as shares of white's: grey is grey in them, and no colour is negative.
+    """
     # It has been taught pictures of a luminance about 1, and is wrong in the dark.
     level = float(xyz[..., 1].mean(dtype=np.float64)) or 1.0
-    rgb = xyz_to_linear_srgb((xyz / level).astype(np.float32))
-    albedo = np.ascontiguousarray(np.clip(albedo, 0, 1))
-    normal = np.ascontiguousarray(normal)
-    device, out = oidn.Device(oidn.DeviceType.CPU), np.zeros_like(rgb)
-    # It takes values of 0 and above only: those outside the gamut go through it as a picture of their own.
-    for sign in (1.0, -1.0):
-        part = np.ascontiguousarray(np.maximum(sign * rgb, 0), dtype=np.float32)
-        result = np.empty_like(part)
-        denoise = device.new_filter("RT")
-        for name, image in (("color", part), ("albedo", albedo), ("normal", normal), ("output", result)):
-            denoise.set_image(name, image)
-        denoise.hdr = True
-        denoise.max_memory_mb = DENOISER_MB  # it works in tiles, then
-        denoise.execute()
-        out += sign * result
-    return np.asarray(level * (out @ np.linalg.inv(matrix_to_linear_srgb()).T.astype(np.float32)))
+    white = (level * white_xyz("d65")).astype(np.float32)
+    colour = np.ascontiguousarray(np.maximum(xyz / white, 0), dtype=np.float32)
+    result = np.empty_like(colour)
+    denoise = oidn.Device(oidn.DeviceType.CPU).new_filter("RT")
+    guides = {"albedo": np.ascontiguousarray(np.clip(albedo, 0, 1)), "normal": np.ascontiguousarray(normal)}
+    for name, image in {"color": colour, **guides, "output": result}.items():
+        denoise.set_image(name, image)
+    denoise.hdr = True
+    denoise.max_memory_mb = DENOISER_MB  # it works in tiles, then
+    denoise.execute()
+    return np.asarray(result * white)
 
 
 def exposure_of(picture: Picture, setup: Setup, *, ev: float = 0.0, curve: str | None = None) -> float:

@@ -11,10 +11,10 @@ import pytest
 from gemrender.cuts import RoundBrilliant, load_stone
 from gemrender.cuts.families import families
 from gemrender.stone import Stone
-from gemrender.sweep.goal_slopes import goal_slopes, has_slopes
-from gemrender.sweep.goals import Goal
-from gemrender.sweep.rough import Diameter
-from gemrender.sweep.search import prepare_search
+from gemrender.sweep.improve.goal_slopes import goal_slopes, has_slopes
+from gemrender.sweep.improve.goals import Goal
+from gemrender.sweep.improve.rough import Diameter
+from gemrender.sweep.improve.search import prepare_search
 
 VALUES = {"iso.value": 80.0, "aset.leak": 6.0, "inoue.average": 60.0, "volume": 2.0}
 #: Half the step of central differences [% or deg], and what they are off by, rounding for the most part.
