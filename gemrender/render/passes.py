@@ -201,7 +201,10 @@ class Passes:
     @property
     def spectrum(self) -> np.ndarray:
         """Mean radiance in each bin, (h, w, bins) float32."""
-        return self._mean(self._of_bins)
+        bins = self._mean(self._of_bins)
+        if self._has_foreground:
+            bins[self._mean(slice(19, 20))[..., 0] == 0] = 0
+        return bins
 
     @property
     def foreground(self) -> tuple[np.ndarray, ...] | None:
@@ -212,8 +215,10 @@ class Passes:
         """
         if not self._has_foreground:
             return None
-        values = [self._mean(slice(first, first + 3)) for first in (10, 13, 16)]
-        return *values, self._mean(slice(19, 20))[..., 0]
+        xyz, albedo, normal = (self._mean(slice(first, first + 3)) for first in (10, 13, 16))
+        alpha = self._mean(slice(19, 20))[..., 0]
+        xyz[alpha == 0] = 0  # traced light may have met a sliver that no sample of the pixel did
+        return xyz, albedo, normal, alpha
 
     @property
     def shows(self) -> np.ndarray:

@@ -27,7 +27,7 @@ WHITE = 0.8
 
 
 def whole(inside):
-    """Pixels that the foreground fills, as those beside them: traced light lands even on slivers of ground."""
+    """Pixels that the foreground fills, as those beside them: traced light lands on slivers of ground."""
     padded = np.pad(inside, 1)
     h, w = inside.shape
     return np.all([padded[i : i + h, j : j + w] for i in range(3) for j in range(3)], axis=0)
