@@ -2,18 +2,20 @@
 
     python scripts/benchmark_photoreal.py [--size 128] [--shortest 0.5] [--longest 16] [--repeats 3]
                                           [--reference 64] [--errors 0.1 0.05 0.02] [--seed 1] [--out DIR]
-                                          [--scenes alone ground] [--contestants gem_path path LuxCore]
+                                          [--scenes alone ground small] [--contestants gem_path path LuxCore]
                                           [--clock wall processor]
 
 gem_path and LuxCore (`pip install pyluxcore`) render with dispersion, Mitsuba's `path` without. The same
 stone, lights, camera and size; all on all cores, each in a process of its own, one at a time.
 
 An error is the root mean square difference to the contestant's own reference, over the mean of that: of the
-stone's pixels where it is alone, of all where it stands on a ground. The reference is the mean of two halves
-of other seeds. The mean of (x - half 1) (x - half 2) is the square of the picture's error without that of the
-reference, which is printed too. Compiling and building are timed apart. Each contestant comes in several
-kinds (sampler, Russian roulette): the one of the least error of RGB in a short trial is measured. With
-`--clock processor` a time is that of the processor over the number of cores: for a machine in use by others.
+stone's pixels where it is alone, of all where it stands on a ground; under a small light, of the paper, where
+the stone throws caustics, which are also found from the eye, by chance, for comparison. The reference is the
+mean of two halves of other seeds. The mean of (x - half 1) (x - half 2) is the square of the picture's error
+without that of the reference, which is printed too. Compiling and building are timed apart. Each contestant
+comes in several kinds (sampler, Russian roulette): the one of the least error of RGB in a short trial is
+measured. With `--clock processor` a time is that of the processor over the number of cores: for a machine in
+use by others.
 """
 
 from __future__ import annotations
@@ -30,12 +32,16 @@ from photoreal_contestants import BUILDERS, ContestantError, Remote, Shot, View,
 
 from gemrender.writing import write_whole
 
-GEM_PATH, STOCK, LUXCORE = "gem_path", "path", "LuxCore"
+GEM_PATH, CHANCE, STOCK, LUXCORE = "gem_path", "gem_path by chance", "path", "LuxCore"
+#: Scenes, and what they are.
+SCENES = {
+    "alone": "Stone alone", "ground": "Stone on a ground", "small": "Small light over a stone on paper",
+}  # fmt: skip
 #: Linear sRGB to luminance.
 LUMINANCE = np.array([0.212639, 0.715169, 0.072192])
 MEASURES = ("Y", "RGB")
 #: How many times faster than others gem_path is wanted to be.
-WANTED = {LUXCORE: 10.0, STOCK: 1.0}
+WANTED = {LUXCORE: 10.0, STOCK: 1.0, CHANCE: 20.0}
 #: Samples a pixel of the first, untimed picture, and of that which gives the rate.
 FIRST = 16
 #: Errors fall as the time to the minus this, as of independent samples, beyond the budgets measured.
@@ -189,11 +195,17 @@ def measure(
     entries: Sequence[Entry], where: np.ndarray, options: argparse.Namespace, seeds: Iterator[int]
 ) -> None:
     """Render the references, then pictures of growing budgets: by turns, since machines are noisy."""
+    by_name = {entry.name: entry for entry in entries}
     for entry in entries:
+        if entry.name == CHANCE and GEM_PATH in by_name:
+            continue
         samples = power_of_two(entry.rate * options.reference)
         entry.remote.warm(samples)
         first, second = (entry.remote.render(samples, next(seeds)).image for _ in range(2))
         entry.halves = first, second
+    if CHANCE in by_name and GEM_PATH in by_name:
+        # The same light: what is found by chance would take very long to be a reference
+        by_name[CHANCE].halves = by_name[GEM_PATH].halves
     budgets = []
     for entry in entries:
         low, high = (power_of_two(entry.rate * t) for t in (options.shortest, options.longest))
@@ -275,15 +287,17 @@ def picture(image: np.ndarray) -> Callable[[Path], None]:
 
 def compare(name: str, options: argparse.Namespace, seeds: Iterator[int]) -> None:
     """Measure all contestants in a scene, and print what is found."""
-    view = scene(name == "ground", size=options.size)
+    view = scene(name != "alone", size=options.size, small=name == "small")
     stone = view.silhouette()
-    where = stone if name == "alone" else np.ones_like(stone)
-    print(
-        f"\nStone {'alone' if name == 'alone' else 'on a ground'}: error over {where.mean():.0%} of the image"
-    )
+    where = {"alone": stone, "ground": np.ones_like(stone), "small": ~stone}[name]
+    print(f"\n{SCENES[name]}: error over {where.mean():.0%} of the image")
     print(f"  {'':<38}{'setup s':>7}{'compile':>9}{'besides':>9}{'spp/s':>9}{'Y, 1 s':>9}{'RGB, 1 s':>9}")
     with ExitStack() as stack:
-        tried = [best_kind(view, one, where, options, seeds, stack) for one in options.contestants]
+        tried = [
+            best_kind(view, one, where, options, seeds, stack)
+            for one in options.contestants
+            if one != CHANCE or name == "small"
+        ]
         entries = [entry for entry in tried if entry is not None]
         if not entries:
             return
@@ -313,7 +327,7 @@ def main() -> None:
     parser.add_argument("--errors", type=float, nargs="+", default=[0.1, 0.05, 0.02])
     parser.add_argument("--clock", choices=("wall", "processor"), default="wall")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--scenes", nargs="+", choices=("alone", "ground"), default=["alone", "ground"])
+    parser.add_argument("--scenes", nargs="+", choices=list(SCENES), default=list(SCENES))
     parser.add_argument("--contestants", nargs="+", choices=list(BUILDERS), default=list(BUILDERS))
     parser.add_argument("--out", type=Path, metavar="FOLDER", help="where to put the references' pictures")
     options = parser.parse_args()

@@ -109,21 +109,26 @@ def softbox(position: Sequence[float], half: float, radiance: float) -> Quad:
     return Quad(corners=corners, radiance=radiance)
 
 
-def scene(ground: bool, size: int, stone: str = "inoue-3") -> View:
-    """Return the benchmark's scene, with or without a grey ground that the culet stands on."""
+def scene(ground: bool, size: int, stone: str = "inoue-3", *, small: bool = False) -> View:
+    """Return the benchmark's scene, with or without a grey ground that the culet stands on.
+
+    With one small light, of 0.003 sr, in a dim room instead of the softboxes, where `small` is true.
+    """
     shape = load_stone(stone)
     quads = [
         softbox((3.5, -1.5, 3.5), 1.6, 5.0),
         softbox((-3.5, -0.5, 2.5), 1.3, 5.0),
         softbox((0.3, 3.0, 4.0), 1.3, 5.0),
     ]
+    if small:
+        quads = [softbox((3.5, -1.5, 3.5), 0.15, 500.0)]
     if ground:
         z = float(tessellate(shape).vertices[:, 2].min()) - 0.005
         corners = np.array([(-8, -8, z), (8, -8, z), (8, 8, z), (-8, 8, z)], dtype=float)
         quads.append(Quad(corners=corners, reflectance=0.5))
     return View(
-        stone=shape, environment=0.2, quads=quads, origin=(1.5, -6.0, 4.6), target=(0.0, 0.0, -0.3),
-        angle=18.0, size=size,
+        stone=shape, environment=0.05 if small else 0.2, quads=quads,
+        origin=(1.5, -6.0, 4.6), target=(0.0, 0.0, -0.3), angle=18.0, size=size,
     )  # fmt: skip
 
 
@@ -202,7 +207,13 @@ class LuxCore:
     """
 
     def __init__(
-        self, view: View, sampler: str = "SOBOL", dispersion: bool = True, roulette: int | None = None
+        self,
+        view: View,
+        sampler: str = "SOBOL",
+        dispersion: bool = True,
+        roulette: int | None = None,
+        engine: str = "PATHCPU",
+        light_traced: bool = False,
     ) -> None:
         try:
             with silence():  # it prints what libraries it loads
@@ -213,7 +224,7 @@ class LuxCore:
         pyluxcore.Init(lambda _: None)
         self._view, self._scene = view, pyluxcore.Scene()
         self._settings = {
-            "renderengine.type": "PATHCPU",
+            "renderengine.type": engine,
             "native.threads.count": cores(),
             "sampler.type": sampler,
             "path.pathdepth.total": DEPTH,
@@ -227,6 +238,10 @@ class LuxCore:
             "film.filter.width": 0.5,
             "film.imagepipelines.0.0.type": "NOP",
         }
+        if engine == "BIDIRCPU":
+            self._settings |= {"path.maxdepth": DEPTH, "light.maxdepth": DEPTH}
+        if light_traced:  # of caustics, a share of all samples
+            self._settings |= {"path.hybridbackforward.enable": True, "path.hybridbackforward.partition": 0.5}
         if roulette is not None:
             self._settings["path.russianroulette.depth"] = roulette
         mesh = tessellate(view.stone)
@@ -412,9 +427,12 @@ class StockPath:
 
 
 class GemPath:
-    """gemrender's `gem_path`, with the dispersion of diamond, as `gemrender render` runs it."""
+    """gemrender's `gem_path`, with the dispersion of diamond, as `gemrender render` runs it.
 
-    def __init__(self, view: View) -> None:
+    Or with caustics of small lights found by chance, as they are from the eye.
+    """
+
+    def __init__(self, view: View, caustics: bool = True) -> None:
         from gemrender.render.backend import ensure_variant
 
         ensure_variant("llvm_ad_spectral")
@@ -424,6 +442,7 @@ class GemPath:
 
         glass = {"type": "gem_dielectric", "material": "diamond"}
         stone = stone_mesh(view.stone, glass)
+        self._caustics = caustics
         # Lights of equal energy: they look white where white is equal energy, as in the RGB contestants
         self._scene = mitsuba_scene(mi, view, {"type": "gem_path"}, "independent", stone, "uniform")
 
@@ -436,7 +455,7 @@ class GemPath:
         from gemrender.colorimetry import adapt, white_xyz, xyz_to_linear_srgb
         from gemrender.render.passes import Passes
 
-        passes = Passes(self._scene, seed=seed)
+        passes = Passes(self._scene, seed=seed, caustics=self._caustics)
         clock = Clock()
         while passes.samples < samples:
             passes.add(min(passes.samples_of_a_pass(), samples - passes.samples))
@@ -450,6 +469,7 @@ Builder = Callable[[View], Contestant]
 #: What each contestant can be built as: the better one is to be taken. Keys are names for the tables.
 BUILDERS: dict[str, dict[str, Builder]] = {
     "gem_path": {"as it is": GemPath},
+    "gem_path by chance": {"caustics from the eye": partial(GemPath, caustics=False)},
     "path": {
         "independent, roulette from 5": StockPath,
         "independent, no roulette": partial(StockPath, roulette=DEPTH),
@@ -462,6 +482,9 @@ BUILDERS: dict[str, dict[str, Builder]] = {
         "Metropolis": partial(LuxCore, sampler="METROPOLIS"),
         "random": partial(LuxCore, sampler="RANDOM"),
         "random, no roulette": partial(LuxCore, sampler="RANDOM", roulette=DEPTH),
+        "Sobol, caustics from lights": partial(LuxCore, light_traced=True),
+        "bidirectional": partial(LuxCore, engine="BIDIRCPU"),
+        "bidirectional, Metropolis": partial(LuxCore, engine="BIDIRCPU", sampler="METROPOLIS"),
     },
 }
 

@@ -6,21 +6,18 @@ import drjit as dr
 import mitsuba as mi
 
 from gemrender.errors import InputError
+from gemrender.plugins.branches import NEGLIGIBLE, Branch, direct_light, is_diffuse, split
+from gemrender.plugins.caustics import Caustics
 from gemrender.plugins.checks import SceneCheck
 from gemrender.plugins.properties import truth, whole_number
-from gemrender.plugins.rough import scattered
-from gemrender.plugins.stones import RAY_OFFSET, Stones, reflectance
+from gemrender.plugins.stones import RAY_OFFSET, Stones
+from gemrender.plugins.walk import LATE, LATE_SURVIVAL, walk
 
 #: Names of the AOVs, in order: what a denoiser wants to know of the first hit.
 AOV_NAMES = ("albedo.R", "albedo.G", "albedo.B", "normal.X", "normal.Y", "normal.Z")
 
-#: Throughput below which a way inside a stone goes on by chance only, and that of a way outside.
-ROULETTE_INSIDE, ROULETTE_OUTSIDE = 0.1, 0.15
-#: From so many surfaces on, a way goes on with probability `LATE_SURVIVAL` at each, whatever its throughput:
-#: rays can be caught by total reflection for ever.
-LATE, LATE_SURVIVAL = 1024, 0.98
-#: Throughput that counts as none: far below what a picture can show, and its reciprocal is a number still.
-NEGLIGIBLE = 1e-30
+#: Throughput below which a way outside stones goes on by chance only.
+ROULETTE_OUTSIDE = 0.15
 
 
 class PathIntegrator(mi.SamplingIntegrator):
@@ -54,8 +51,9 @@ class PathIntegrator(mi.SamplingIntegrator):
       mesh carries (``gemrender scene`` writes them). Other stones, and those of more than 384 planes, are
       left to Embree.
     - **Dispersion.** In spectral variants the wavelengths of a path part where it first enters a dispersive
-      stone, and each goes on by itself; until then all share a way. A branch outside that is drawn later
-      goes on with its own wavelength only, and stands for all. In RGB variants the path draws a wavelength,
+      stone, and each goes on by itself; until then all share a way. Each is lit by what shines straight on
+      the diffuse surface that it ends on; from there one goes on with its own wavelength only, and stands for
+      all. In RGB variants the path draws a wavelength,
       weighted by the linear sRGB response; in monochrome ones all light has the wavelength of the stone's
       ``gem_dielectric``.
     - **Absorption** along the way inside, by the material (Beer and Lambert).
@@ -76,6 +74,9 @@ class PathIntegrator(mi.SamplingIntegrator):
 
     Stones that lie face to face, closer than a ray starts from a facet, are taken without air between them,
     and a ``GemrenderWarning`` says so.
+
+    Light that small lamps throw through stones on diffuse surfaces is found by chance only. ``gemrender
+    render`` traces it from the lamps instead, and tells the integrator to leave it out.
 
     Point and directional lights light plain surfaces, but are not seen in or through stones. Participating
     media are not followed. A ``GemrenderWarning`` says either.
@@ -141,14 +142,27 @@ class PathIntegrator(mi.SamplingIntegrator):
         radiance, valid, aovs = self.sample_with_aovs(scene, sampler, ray, active)
         return radiance, valid, aovs if self.aovs else []
 
+    def caustics(self, scene: mi.Scene, sensor: mi.Sensor) -> Caustics:
+        """Return what traces the light of a checked scene that stones throw on diffuse surfaces."""
+        return Caustics(scene, sensor, self.scene_check, self.max_depth)
+
     def sample_with_aovs(
-        self, scene: mi.Scene, sampler: mi.Sampler, ray: mi.RayDifferential3f, active: mi.Bool = True
+        self,
+        scene: mi.Scene,
+        sampler: mi.Sampler,
+        ray: mi.RayDifferential3f,
+        active: mi.Bool = True,
+        *,
+        caustics: Caustics | None = None,
     ) -> tuple[mi.Spectrum, mi.Bool, list[mi.Float]]:
-        """Return the radiance along a ray with the AOVs, whether `aovs` asks for them or not."""
+        """Return the radiance along a ray with the AOVs, whether `aovs` asks for them or not.
+
+        With `caustics`, the light that these trace is left out.
+        """
         with dr.suspend_grad():
             stones = Stones(scene, sampler, self.scene_check)
             radiance, valid, albedo, normal = self._radiance(
-                scene, stones, sampler, mi.Ray3f(ray), mi.Bool(active)
+                scene, stones, sampler, mi.Ray3f(ray), mi.Bool(active), caustics
             )
         return radiance, valid, [*albedo, *normal]
 
@@ -157,9 +171,10 @@ class PathIntegrator(mi.SamplingIntegrator):
         return f"PathIntegrator[\n  max_depth = {self.max_depth},\n  aovs = {self.aovs}\n]"
 
     @dr.syntax
-    def _radiance(self, scene, stones, sampler, ray, active):  # type: ignore[no-untyped-def]  # dr.syntax
+    def _radiance(self, scene, stones, sampler, ray, active, caustics):  # type: ignore[no-untyped-def]  # dr.syntax
         max_depth = mi.UInt32(self.max_depth if self.max_depth >= 0 else 0xFFFFFFFF)
         context = mi.BSDFContext()
+        walking = caustics is not None
 
         L = mi.Spectrum(0)  # radiance found so far
         β = mi.Spectrum(1)  # throughput
@@ -168,6 +183,10 @@ class PathIntegrator(mi.SamplingIntegrator):
         valid = mi.Bool(False)
         first = mi.Bool(True)
         direct = mi.Bool(True)  # whether it has met nothing but mirrors and stones
+        # What `Caustics` traces: the first surface is diffuse, the last one too, and stones have come since
+        first_diffuse, last_diffuse, through = mi.Bool(False), mi.Bool(False), mi.Bool(False)
+        lit = mi.Bool(False)  # whether light straight on the next surface is counted, if that is diffuse
+        dark = mi.Bool(False)  # whether light that the ray meets is counted
         albedo, normal = mi.Color3f(0), mi.Vector3f(0)
         from_p = mi.Point3f(ray.o)  # the surface before, for multiple importance sampling
         from_pdf = mi.Float(1)
@@ -193,7 +212,8 @@ class PathIntegrator(mi.SamplingIntegrator):
             mis = _mis_weight(from_pdf, scene.pdf_emitter_direction(came_from, ds, weigh))
             mis = dr.select(from_delta, 1, mis)
             light = emitter.eval(si, active & ~on_stone)
-            L += dr.select(active & ~on_stone, β * mis * light, 0)
+            elsewhere = dark | (first_diffuse & last_diffuse & through & _traces(caustics, emitter))
+            L += dr.select(active & ~on_stone & ~elsewhere, β * mis * light, 0)
 
             # ---- What a denoiser wants to know ----
 
@@ -216,7 +236,9 @@ class PathIntegrator(mi.SamplingIntegrator):
             arrives = goes_on & on_stone & (cos_air > 0)
             # A ray that starts within rounding of a facet may meet it from behind: on, through it.
             behind = goes_on & on_stone & ~arrives
-            smooth = plain & mi.has_flag(bsdf.flags(), mi.BSDFFlags.Smooth)
+            is_matt = is_diffuse(bsdf.flags())
+            dark = plain & lit & is_matt
+            smooth = plain & ~dark & mi.has_flag(bsdf.flags(), mi.BSDFFlags.Smooth)
             ds, em_weight = scene.sample_emitter_direction(si, sampler.next_2d(), True, smooth)
             smooth &= ds.pdf != 0
             wo = si.to_local(ds.d)
@@ -228,142 +250,78 @@ class PathIntegrator(mi.SamplingIntegrator):
             next_ray = si.spawn_ray(si.to_world(bs.wo))
             next_ray.o = dr.select(behind, si.p + RAY_OFFSET * stones.size * ray.d, next_ray.o)
             next_ray.d = dr.select(behind, ray.d, next_ray.d)
-            next_β = dr.select(plain, β * weight, β)
-            next_parted = mi.Bool(parted)
-            next_depth = depth + 1
+            first_diffuse |= plain & (depth == 0) & is_matt
+            last_diffuse = dr.select(plain, is_matt, last_diffuse)
+            through = ~plain & (through | arrives)
 
-            # ---- Stones: what is reflected, and into the stone ----
+            # ---- Stones: all ways are followed for light; where that is traced, only one, by chance ----
 
+            walks = arrives & first_diffuse & last_diffuse & walking
+            splits = arrives & ~walks
+            Le, drawn, part = split(
+                stones, stone, si.p, d, n, β, parted, ray.wavelengths, ray.time,
+                chance, depth, max_depth, direct, splits,
+            )  # fmt: skip
+            L += dr.select(splits, Le, 0)
+
+            # ---- What a wavelength's way ends on is lit, of each; the first goes on, for all ----
+
+            part |= walks & ~parted & stones.disperses(stone, walks)
             eta = stones.index(stone, ray.wavelengths, arrives)
-            cos_stone = dr.safe_sqrt(1 - (1 - dr.square(cos_air)) / dr.square(eta))
-            reflected = reflectance(cos_air, cos_stone, eta)
-
-            side = mi.Bool(arrives)  # whether there is a branch outside to look along
-            side_o = mi.Point3f(si.p + RAY_OFFSET * stones.size * n)
-            side_d = mi.Vector3f(d + 2 * cos_air * n)
-            side_β = mi.Spectrum(β * reflected)
-            side_parted = mi.Bool(parted)
-            side_counts = mi.Float(1)  # what it counts where one branch is drawn
-            side_depth = depth + 1
-
-            # One wavelength after the other where they part here; one way for all where they do not.
-            part = arrives & ~parted & stones.disperses(stone, arrives)
-            entering = β * (1 - reflected) * dr.select(part, stones.parting_weight(), mi.Spectrum(1))
-            in_parted = parted | part
-            channel = dr.select(part, mi.UInt32(0), stones.alive(β))
-            left = dr.select(part, stones.n_ways - 1, mi.UInt32(0))
-            ways = [
-                stones.enter(entering, eta, d, n, cos_air, mi.UInt32(k), part) for k in range(stones.n_ways)
-            ]
-            β_in, n_in, d_in = stones.enter(entering, eta, d, n, cos_air, channel, part)
-            start = mi.Point3f(stones.inwards(si.p, n))
-            inside = mi.Bool(arrives)
-
-            # ---- A rough girdle: one way by chance, with all the light ----
-
-            if dr.hint(stones.any_rough, mode="scalar"):
-                alpha = stones.roughness(stone, n, arrives)
-                rough = arrives & (alpha > 0)
-                β_one, n_one = stones.one_wavelength(β, eta, part, chance)
-                d_one, outside = scattered(mi.Vector3f(ray.d), n, arrives, n_one, alpha, chance, rough)
-                side &= ~rough | outside
-                inside &= ~(rough & outside)
-                side_d = dr.select(rough, d_one, side_d)
-                side_β = dr.select(rough, β_one, side_β)
-                side_parted |= rough & part & mi.Bool(stones.n_ways > 1)
-                β_in = dr.select(
-                    rough, β_one * dr.select(part, stones.parting_weight(), mi.Spectrum(1)), β_in
-                )
-                n_in, d_in = dr.select(rough, n_one, n_in), dr.select(rough, d_one, d_in)
-                part &= ~rough
-                left = dr.select(rough, 0, left)
-
-            p, d = mi.Point3f(start), mi.Vector3f(d_in)
-            in_depth = depth + 1
-
-            # One branch outside is drawn of those that met neither light nor sky.
-            drawn_weight = mi.Float(0)  # sum of the throughputs of all of them
-            drawn_o, drawn_d = mi.Point3f(0), mi.Vector3f(0, 0, 1)
-            drawn_β, drawn_parted, drawn_depth = mi.Spectrum(0), mi.Bool(False), mi.UInt32(0)
-
-            while dr.hint(inside | side, label="gem_path: inside"):
-                # ---- Along the branch outside ----
-                branch = mi.Ray3f(side_o, side_d, ray.time, ray.wavelengths)
-                found, Le = stones.outside(branch, side)
-                L += dr.select(side, side_β * Le, 0)
-                share = dr.select(found, side_counts * stones.mean(side_β), 0)
-                share = dr.select(share > NEGLIGIBLE, share, 0)
-                drawn_weight += share
-                take = (share > 0) & (chance.next_float32() * drawn_weight < share)
-                drawn_o, drawn_d = dr.select(take, side_o, drawn_o), dr.select(take, side_d, drawn_d)
-                drawn_β = dr.select(take, side_counts * side_β, drawn_β)
-                drawn_parted = dr.select(take, side_parted, drawn_parted)
-                drawn_depth = dr.select(take, side_depth, drawn_depth)
-
-                # ---- To the next facet, and through it ----
-                t, n, met = stones.next_surface(stone, p, d, inside)
-                inside &= met & (in_depth < max_depth)
-                p = dr.select(inside, p + t * d, p)
-                β_in *= stones.transmittance(stone, ray.wavelengths, t, inside)
-                cos_i = dr.dot(n, d)
-                sin2 = dr.square(n_in) * (1 - dr.square(cos_i))
-                leaves = inside & (sin2 < 1)
-                cos_t = dr.safe_sqrt(1 - sin2)
-                back = dr.select(leaves, reflectance(cos_t, cos_i, n_in), 1)
-                d_out = n_in * (d - cos_i * n) + cos_t * n
-                d_back = d - 2 * cos_i * n
-                if dr.hint(stones.any_rough, mode="scalar"):
-                    alpha = stones.roughness(stone, n, inside)
-                    rough = inside & (alpha > 0)
-                    d_one, outside = scattered(d, n, mi.Bool(False), n_in, alpha, chance, rough)
-                    leaves = dr.select(rough, outside, leaves)
-                    back = dr.select(rough, dr.select(outside, mi.Float(0), 1), back)
-                    d_out, d_back = dr.select(rough, d_one, d_out), dr.select(rough, d_one, d_back)
-                side = leaves & (in_depth + 2 <= max_depth)
-                side_o = mi.Point3f(p + RAY_OFFSET * stones.size * n)
-                side_d = dr.normalize(d_out)
-                side_β = β_in * (1 - back)
-                side_parted = mi.Bool(in_parted)
-                # Of many ways the first stands for all: samples spread its wavelength evenly.
-                side_counts = dr.select(part, dr.select(channel == 0, mi.Float(stones.n_ways), 0), 1)
-                side_depth = in_depth + 1
-                β_in *= back
-                d = d_back
-                p = stones.inwards(p, n)
-                in_depth += 1
-
-                # ---- Russian roulette ----
-                q = dr.minimum(stones.weight(β_in, part & direct) * (1 / ROULETTE_INSIDE), 1)
-                q = dr.select(in_depth > LATE, q * LATE_SURVIVAL, q)
-                inside &= (chance.next_float32() < q) & (q > NEGLIGIBLE)
-                β_in *= dr.select(inside, dr.rcp(q), 0)
-
-                # ---- The next wavelength ----
-                if dr.hint(stones.n_ways > 1, mode="scalar"):
-                    again = arrives & ~inside & (left > 0)
-                    left = dr.select(again, left - 1, left)
-                    channel = dr.select(again, channel + 1, channel)
+            hero = drawn[0]
+            way = mi.UInt32(0)
+            ends = mi.Bool(walks)
+            for k in range(stones.n_ways):
+                ends |= part & (drawn[k].weight > 0)
+            if dr.hint(walking or stones.n_ways > 1, mode="scalar"):
+                while dr.hint(ends, label="gem_path: ends"):
+                    end = drawn[0]
                     for k in range(1, stones.n_ways):
-                        this = again & (channel == k)
-                        β_in = dr.select(this, ways[k][0], β_in)
-                        n_in = dr.select(this, ways[k][1], n_in)
-                        d = dr.select(this, ways[k][2], d)
-                    p = dr.select(again, start, p)
-                    in_depth = dr.select(again, depth + 1, in_depth)
-                    inside |= again
+                        end = dr.select(way == k, drawn[k], end)
+                    if dr.hint(walking, mode="scalar"):
+                        channel = dr.select(part, way, stones.alive(β))
+                        walk_o, walk_d, walk_β, walk_depth, walked = walk(
+                            stones, stone, si.p, d, n, stones.only(β, channel, part),
+                            stones.of_channel(eta, channel), ray.wavelengths,
+                            chance, depth, max_depth, ends & walks,
+                        )  # fmt: skip
+                        weight_of_walk = dr.select(walked, dr.mean(walk_β), 0)
+                        walked_end = Branch(weight_of_walk, walk_o, walk_d, walk_β, part | parted, walk_depth)
+                        end = dr.select(walks, walked_end, end)
+                    looks = ends & part & (end.weight > 0)
+                    end_ray = mi.Ray3f(end.o, end.d, ray.time, ray.wavelengths)
+                    end_si = scene.ray_intersect(end_ray, mi.RayFlags.AllNonDifferentiable, False, looks)
+                    end_bsdf = end_si.bsdf()
+                    shines = looks & walks
+                    end_light = end_si.emitter(scene, shines)
+                    shines &= ~(first_diffuse & _traces(caustics, end_light))
+                    L += dr.select(shines, end.throughput * end_light.eval(end_si, shines), 0)
+                    lights = looks & (end.depth + 2 <= max_depth) & end_si.is_valid()
+                    lights &= stones.of(end_si, lights) == 0
+                    lights &= is_diffuse(end_bsdf.flags())
+                    L += dr.select(
+                        lights, end.throughput * direct_light(scene, lights, end_si, end_bsdf, chance), 0
+                    )
+                    hero = dr.select(way == 0, end, hero)
+                    way += 1
+                    ends &= part & (way < stones.n_ways)
 
-            drawn = arrives & (drawn_weight > 0)
-            ray.o = dr.select(drawn, drawn_o, next_ray.o)
-            ray.d = dr.select(drawn, drawn_d, next_ray.d)
-            β = dr.select(drawn, drawn_β * (drawn_weight / stones.mean(drawn_β)), next_β)
-            parted = dr.select(drawn, drawn_parted, next_parted)
-            depth = dr.select(drawn, drawn_depth, next_depth)
+            lit = part & (hero.weight > 0) & (stones.n_ways > 1)
+            dark |= walks & part
+            drawn_on = arrives & (hero.weight > 0)
+            ray.o = dr.select(drawn_on, hero.o, next_ray.o)
+            ray.d = dr.select(drawn_on, hero.d, next_ray.d)
+            # Of the ways of parted wavelengths the first stands for all: samples spread its wavelength evenly
+            many = dr.select(part & hero.parted, mi.Float(stones.n_ways), 1)
+            β = dr.select(drawn_on, hero.throughput * many, dr.select(plain, β * weight, β))
+            parted = dr.select(drawn_on, hero.parted, parted)
+            depth = dr.select(drawn_on, hero.depth, depth + 1)
             from_p = dr.select(plain, si.p, from_p)
             from_pdf = dr.select(plain, bs.pdf, 1)
             direct &= ~plain | mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
             from_delta = ~plain | mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
 
-            active = drawn | behind | (plain & (stones.mean(β) > 0))
+            active = drawn_on | behind | (plain & (stones.mean(β) > 0))
             q = dr.minimum(stones.mean(β) * (1 / ROULETTE_OUTSIDE), 1)
             q = dr.select(depth > LATE, q * LATE_SURVIVAL, q)
             active &= (chance.next_float32() < q) & (q > NEGLIGIBLE)
@@ -377,6 +335,10 @@ def _mis_weight(pdf: mi.Float, other: mi.Float) -> mi.Float:
     """Power heuristic (Veach 1997, section 9.2.4) for a sample of density `pdf`, against one other."""
     # By the ratio: the square of a density can be infinite where a light is seen edge-on
     return dr.select(pdf > 0, dr.rcp(1 + dr.square(other / pdf)), 0)
+
+
+def _traces(caustics: Caustics | None, emitter: mi.EmitterPtr) -> mi.Bool:
+    return mi.Bool(False) if caustics is None else caustics.traces(emitter)
 
 
 def _as_rgb(value: mi.Spectrum) -> mi.Color3f:

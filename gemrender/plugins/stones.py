@@ -141,6 +141,30 @@ class Stones:
             channel = dr.select(spectrum[k] > spectrum[0], mi.UInt32(k), channel)
         return channel if mi.is_spectral else mi.UInt32(0)
 
+    @staticmethod
+    def of_channel(spectrum: mi.Spectrum, channel: mi.UInt32) -> mi.Float:
+        """Return the value of a channel: in spectral variants of that given, else of the first."""
+        value = mi.Float(spectrum[0])
+        if mi.is_spectral:
+            for k in range(1, len(spectrum)):
+                value = dr.select(channel == k, spectrum[k], value)
+        return value
+
+    def only(self, throughput: mi.Spectrum, channel: mi.UInt32, part: mi.Bool) -> mi.Spectrum:
+        """Return the throughput of a channel alone, where wavelengths part."""
+        alone = mi.Spectrum(throughput)
+        if mi.is_spectral and self.any_parts:
+            for k in range(len(alone)):
+                alone[k] = dr.select(~part | (channel == k), throughput[k], 0)
+        return alone
+
+    def first_for_all(self, throughput: mi.Spectrum, part: mi.Bool) -> mi.Spectrum:
+        """Return a throughput of which, where wavelengths part, the first is left and stands for all."""
+        alone = mi.Spectrum(throughput * self.parting_weight())
+        if self.n_ways > 1:
+            alone = mi.Spectrum(self.n_ways * throughput[0], *([0] * (self.n_ways - 1)))
+        return dr.select(part, alone, throughput)
+
     def parting_weight(self) -> mi.Spectrum:
         """Return what the channels are multiplied by where wavelengths part."""
         return mi.Spectrum(self.colour) if mi.is_rgb and self.any_parts else mi.Spectrum(1)
@@ -168,13 +192,7 @@ class Stones:
         part : Bool
             Whether the others have ways of their own.
         """
-        index, throughput = mi.Float(eta[0]), mi.Spectrum(entering)
-        if mi.is_spectral:
-            for k in range(1, len(eta)):
-                index = dr.select(channel == k, eta[k], index)
-            if self.any_parts:
-                for k in range(len(eta)):
-                    throughput[k] = dr.select(~part | (channel == k), entering[k], 0)
+        index, throughput = self.of_channel(eta, channel), self.only(entering, channel, part)
         cos_stone = dr.safe_sqrt(1 - (1 - dr.square(cos_air)) / dr.square(index))
         return throughput, index, refracted(d, n, cos_air, cos_stone, 1 / index)
 

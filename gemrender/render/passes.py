@@ -7,22 +7,19 @@ from typing import Any
 
 import numpy as np
 
-from gemrender.colorimetry import VISIBLE_NM
 from gemrender.render.first_seen import Seen, kinds_of
 from gemrender.render.noise import relative_error
-from gemrender.render.spread import roberts_steps
+from gemrender.render.traced import TracedFilm
+from gemrender.render.wavelengths import FIRST_NM, LAST_NM, drawing_table
 from gemrender.scene.loading import load_scene
+from gemrender.scene.spread import roberts_steps
 
 __all__ = ["FIRST_NM", "LAST_NM", "Passes", "check_range"]
 
-#: Wavelengths that pictures are made of [nm].
-FIRST_NM, LAST_NM = VISIBLE_NM
 #: Samples of a pass: enough to keep all cores busy, few enough that a pass stays below half a GiB.
 PASS_SAMPLES = 1 << 21
 #: Pixels of a tile at most, so that a pass spreads several samples over each.
 _TILE_PIXELS = 1 << 18
-#: Entries of the table that wavelengths are drawn by.
-_N_DRAW = 1024
 #: Steps of what a camera sample is drawn by, in 2^-32: pixel x and y, wavelength, lens u and v. Roberts' R4
 #: sequence, and for the fifth number, which is needed through a thin lens only, the square root of 2.
 _STEPS = (*roberts_steps(4), round((math.sqrt(2.0) - 1.0) * 2**32))
@@ -30,6 +27,8 @@ _STEPS = (*roberts_steps(4), round((math.sqrt(2.0) - 1.0) * 2**32))
 #: Rounds of the cipher that makes numbers of pixel and seed: with Mitsuba's default of 4, neighbouring pixels
 #: and the two halves, whose seeds are neighbours, get numbers that go together; from 6 on none that do.
 _TEA_ROUNDS = 8
+#: Rays from the lights for each camera sample, where caustics are traced.
+_RAYS_A_SAMPLE = 1.0
 
 
 class Passes:
@@ -51,6 +50,9 @@ class Passes:
     foreground : bool
         Whether what is seen on stones, settings and things is also summed up by itself; spectral bins are of
         it alone, then.
+    caustics : bool
+        Whether light that stones throw on diffuse surfaces is traced from the lights (see
+        `gemrender.plugins.caustics.Caustics`), where that can be; else it is found from the eye, by chance.
 
     Attributes
     ----------
@@ -73,6 +75,7 @@ class Passes:
         filter_radius: float = 0.5,
         bins_nm: Any = None,
         foreground: bool = False,
+        caustics: bool = True,
     ) -> None:
         self.scene, self.seed, self.filter_radius = scene, seed, filter_radius
         self.sensor = scene.sensors()[0]
@@ -90,8 +93,22 @@ class Passes:
         self.unsound, self._unsound_of_pass = 0, 0
         self._shows: np.ndarray | None = None
         self._generator = load_scene({"type": "multijitter"})
-        self._draw = _drawing_table()
+        self._draw = drawing_table()
         self._turns = 0
+        found = scene.integrator().caustics(scene, self.sensor) if caustics else None
+        self._caustics = found if found is not None and found.any else None
+        self._film: TracedFilm | None = None
+        self._rays_sent = [0, 0]
+        if self._caustics is not None:
+            self._film = TracedFilm(
+                self._caustics,
+                width=self.width,
+                height=self.height,
+                filter_radius=filter_radius,
+                draw=self._draw,
+                binned=self._binned if n_bins else lambda *_: [],
+                kept=self._is_foreground if foreground else None,
+            )
 
     # ---- Rendering ----
 
@@ -120,6 +137,10 @@ class Passes:
         for first in range(0, pixels, _TILE_PIXELS):
             last = min(first + _TILE_PIXELS, pixels)
             sums[first:last] = self._tile(first, last - first, spp, half)
+        if self._film is not None:
+            sent = max(1, round(_RAYS_A_SAMPLE * pixels * spp))
+            sums += np.float32(spp) * self._traced(sent, half)
+            self._rays_sent[half] += sent
         self._halves[half] += sums
         self._counts[half] += spp
         self.unsound += self._unsound_of_pass
@@ -180,7 +201,10 @@ class Passes:
     @property
     def spectrum(self) -> np.ndarray:
         """Mean radiance in each bin, (h, w, bins) float32."""
-        return self._mean(self._of_bins)
+        bins = self._mean(self._of_bins)
+        if self._has_foreground:
+            bins[self._mean(slice(19, 20))[..., 0] == 0] = 0
+        return bins
 
     @property
     def foreground(self) -> tuple[np.ndarray, ...] | None:
@@ -191,8 +215,10 @@ class Passes:
         """
         if not self._has_foreground:
             return None
-        values = [self._mean(slice(first, first + 3)) for first in (10, 13, 16)]
-        return *values, self._mean(slice(19, 20))[..., 0]
+        xyz, albedo, normal = (self._mean(slice(first, first + 3)) for first in (10, 13, 16))
+        alpha = self._mean(slice(19, 20))[..., 0]
+        xyz[alpha == 0] = 0  # traced light may have met a sliver that no sample of the pixel did
+        return xyz, albedo, normal, alpha
 
     @property
     def shows(self) -> np.ndarray:
@@ -263,12 +289,28 @@ class Passes:
         ray.wavelengths = wavelengths
         return ray
 
-    def _trace(self, ray: Any, lanes: int, spp: int, seed: int) -> tuple[Any, Any, list[Any]]:
+    def _trace(
+        self, ray: Any, lanes: int, spp: int, seed: int, *, caustics: Any = None
+    ) -> tuple[Any, Any, list[Any]]:
         self._generator.set_sample_count(spp)
         self._generator.set_samples_per_wavefront(spp)
         self._generator.seed(seed, lanes)
         integrator = self.scene.integrator()
-        return integrator.sample_with_aovs(self.scene, self._generator, ray)  # type: ignore[no-any-return]
+        return integrator.sample_with_aovs(  # type: ignore[no-any-return]
+            self.scene, self._generator, ray, caustics=caustics
+        )
+
+    def _traced(self, n: int, half: int) -> np.ndarray:
+        """Return the mean radiance that n rays from the lights add, (pixels, channels) float32."""
+        assert self._film is not None
+        seed = int(np.random.SeedSequence([self.seed, half, 2]).generate_state(1)[0])
+        found = self._film.radiance(n, self._rays_sent[half], seed)
+        out = np.zeros((found.shape[1], self._n_channels), dtype=np.float32)
+        out[:, :3] = found[:3].T
+        if self._has_foreground:
+            out[:, 10:13], found = found[3:6].T, found[3:]
+        out[:, self._of_bins] = found[3:].T
+        return out
 
     def _tile(self, first: int, n: int, spp: int, half: int) -> np.ndarray:
         import drjit as dr
@@ -278,7 +320,7 @@ class Passes:
         nm, weight, response = self._draw(u[2])
         seed = int(np.random.SeedSequence([self.seed, self._turns, first]).generate_state(1)[0])
         ray = self._rays(pixel, u, nm)
-        radiance, valid, aovs = self._trace(ray, n * spp, spp, seed)
+        radiance, valid, aovs = self._trace(ray, n * spp, spp, seed, caustics=self._caustics)
         xyz = [
             sum(L * w * r[k] for L, w, r in zip(radiance, weight, response, strict=True)) for k in range(3)
         ]
@@ -287,8 +329,8 @@ class Passes:
         radiance, xyz = dr.select(sound, radiance, 0), [dr.select(sound, x, 0) for x in xyz]
         channels = [*xyz, *aovs, dr.select(valid, mi.Float(1), 0)]
         if self._has_foreground:
-            seen = self._seen(ray)
-            kept = (seen == int(Seen.STONE)) | (seen == int(Seen.BESIDE))
+            found = self.scene.ray_intersect_preliminary(ray)
+            kept = self._is_foreground(found.shape, found.is_valid())
             channels += [dr.select(kept, value, 0) for value in (*xyz, *aovs, mi.Float(1))]
             radiance = dr.select(kept, radiance, 0)
         if self.bins_nm is not None:
@@ -299,22 +341,25 @@ class Passes:
         dr.eval(sums)
         return np.stack([np.asarray(s) for s in sums], axis=1)
 
-    def _seen(self, ray: Any) -> Any:
-        """Return what camera rays meet before anything else, as `Seen`."""
+    def _kind(self, shape: Any, active: Any) -> Any:
+        """Return what shapes are, as `Seen`; 0 where they are none."""
         import drjit as dr
         import mitsuba as mi
 
-        found = self.scene.ray_intersect_preliminary(ray)
-        number = dr.reinterpret_array(mi.UInt32, found.shape)
-        return dr.gather(mi.UInt32, self._kinds, number, found.is_valid())
+        return dr.gather(mi.UInt32, self._kinds, dr.reinterpret_array(mi.UInt32, shape), active)
+
+    def _is_foreground(self, shape: Any, active: Any = True) -> Any:
+        kind = self._kind(shape, active)
+        return (kind == int(Seen.STONE)) | (kind == int(Seen.BESIDE))
 
     def _tile_shows(self, first: int, n: int) -> np.ndarray:
         import drjit as dr
         import mitsuba as mi
 
         pixel = dr.arange(mi.UInt32, n) + dr.opaque(mi.UInt32, first)
-        seen = self._seen(self._rays(pixel, [mi.Float(0.5)] * 5, mi.Spectrum(550.0)))
-        return np.asarray(seen).astype(np.uint8)
+        rays = self._rays(pixel, [mi.Float(0.5)] * 5, mi.Spectrum(550.0))
+        found = self.scene.ray_intersect_preliminary(rays)
+        return np.asarray(self._kind(found.shape, found.is_valid())).astype(np.uint8)
 
     def _binned(self, radiance: Any, weight: Any, nm: Any) -> list[Any]:
         import drjit as dr
@@ -370,46 +415,3 @@ def check_range(low: float, high: float) -> None:
             key="range",
             value=f"{low:g},{high:g}",
         )
-
-
-def _drawing_table() -> Any:
-    """Return what draws four wavelengths from one number, by how much they count in linear sRGB."""
-    import drjit as dr
-    import mitsuba as mi
-
-    from gemrender.colorimetry import colour_matching, matrix_to_linear_srgb, y_integral_nm
-
-    grid = np.linspace(FIRST_NM, LAST_NM, 3801)
-    # That has the least variance in a picture; and some of each wavelength, so that none has a great weight
-    response = np.linalg.norm(colour_matching(grid) @ matrix_to_linear_srgb().T, axis=1)
-    density = response + 0.05 * response.max()
-    cumulative = np.concatenate([[0.0], np.cumsum(0.5 * (density[1:] + density[:-1]))])
-    nm = np.interp(np.linspace(0, 1, _N_DRAW + 1), cumulative / cumulative[-1], grid)
-    places = mi.Float(nm.astype(np.float32))
-    rows = np.arange(int(FIRST_NM), int(LAST_NM) + 2, dtype=np.float64)
-    matching = colour_matching(rows).astype(np.float32) / y_integral_nm()
-    tables = [mi.Float(np.ascontiguousarray(column, dtype=np.float32)) for column in matching.T]
-
-    def draw(u: Any) -> tuple[Any, list[Any], list[list[Any]]]:
-        lanes = len(mi.Spectrum())
-        wavelengths, weights, responses = [], [], []
-        for k in range(lanes):
-            shifted = u + k / lanes
-            shifted = dr.select(shifted >= 1, shifted - 1, shifted) * _N_DRAW
-            row = dr.minimum(mi.UInt32(shifted), _N_DRAW - 1)
-            a, b = dr.gather(mi.Float, places, row), dr.gather(mi.Float, places, row + 1)
-            at = dr.fma(shifted - mi.Float(row), b - a, a)
-            wavelengths.append(at)
-            weights.append((b - a) * (_N_DRAW / lanes))
-            place = at - FIRST_NM
-            below = mi.UInt32(place)
-            part = place - mi.Float(below)
-            responses.append(
-                [
-                    dr.lerp(dr.gather(mi.Float, t, below), dr.gather(mi.Float, t, below + 1), part)
-                    for t in tables
-                ]
-            )
-        return mi.Spectrum(wavelengths), weights, responses
-
-    return draw

@@ -231,7 +231,7 @@ def test_late_roulette_has_no_bias(variant_llvm_ad_spectral, monkeypatch):
     # From a late segment on paths end by chance whatever they carry: more noise, the same mean.
     scene = furnace(STONES["inoue-3"], surface(material="rutile"))
     _, usual = off_by(*Passes(scene, seed=3).radiance_at(589.3, 256))
-    module = sys.modules["gemrender.plugins.path"]  # never imported: it belongs to the variant
+    module = sys.modules["gemrender.plugins.branches"]
     monkeypatch.setattr(module, "LATE", 8)
     off, of_mean = off_by(*Passes(scene, seed=3).radiance_at(589.3, 256))
     assert of_mean > 1.1 * usual

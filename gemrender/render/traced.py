@@ -1,0 +1,123 @@
+"""The film of light that stones throw: rays from lights, summed up in the pixels that see where they land."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+
+__all__ = ["TracedFilm"]
+
+#: Rays that are followed at once.
+_AT_ONCE = 1 << 21
+
+
+class TracedFilm:
+    """Sums up what rays from lights count, in whole numbers: in whatever order, the sum is the same.
+
+    Parameters
+    ----------
+    caustics : Caustics
+        What traces light.
+    width, height : int
+        Size [pixels].
+    filter_radius : float
+        As of `Passes`: the filter's share of a ray goes to each pixel.
+    draw : callable
+        Makes wavelengths, their weights, and the responses of X, Y, Z of a number in [0, 1).
+    binned : callable
+        Makes the values of spectral bins of radiance, weights and wavelengths: a list, empty where there are
+        none.
+    kept : callable, optional
+        Tells of shapes whether they are the foreground: X, Y, Z of it are summed up too, and bins are of it
+        alone.
+    """
+
+    def __init__(
+        self,
+        caustics: Any,
+        *,
+        width: int,
+        height: int,
+        filter_radius: float,
+        draw: Callable[..., Any],
+        binned: Callable[..., list[Any]],
+        kept: Callable[[Any], Any] | None = None,
+    ) -> None:
+        self._caustics, self._draw, self._binned, self._kept = caustics, draw, binned, kept
+        self._width, self._height, self._radius = width, height, filter_radius
+
+    def radiance(self, n: int, first: int, seed: int) -> np.ndarray:
+        """Return the mean radiance that n rays from the lights add, (k, pixels) float64.
+
+        Channels are X, Y, Z; those of the foreground, where it is asked for; and bins.
+
+        Parameters
+        ----------
+        n, first : int
+            How many rays, and how many there have been of this seed.
+        seed : int
+            Seed.
+        """
+        import drjit as dr
+        import mitsuba as mi
+
+        pixels = self._width * self._height
+        sums: list[Any] = []
+        drawn: list[Any] = []
+
+        def draw(u: Any) -> Any:
+            nm, weight, response = self._draw(u)
+            drawn[:] = weight, response
+            return nm
+
+        def splat(place: Any, nm: Any, counts: Any, shape: Any, active: Any) -> None:
+            weight, response = drawn
+            values = [c * w for c, w in zip(counts, weight, strict=True)]
+            channels = [sum(v * r[k] for v, r in zip(values, response, strict=True)) for k in range(3)]
+            if self._kept is not None:
+                kept = self._kept(shape)
+                channels += [dr.select(kept, channel, 0) for channel in channels]
+                counts = dr.select(kept, counts, 0)
+            channels += self._binned(counts, weight, nm)
+            for pixel, share, shown in self._pixels(place, active):
+                for total, value in zip(sums, channels, strict=True):
+                    dr.scatter_add(total, mi.UInt64(dr.maximum(value, 0) * share), pixel, shown)
+
+        n_channels = (3 if self._kept is None else 6) + len(
+            self._binned(mi.Spectrum(0), mi.Spectrum(0), mi.Spectrum(0))
+        )
+        sums += [dr.zeros(mi.UInt64, pixels) for _ in range(n_channels)]
+        dr.eval(sums)
+        for start in range(0, n, _AT_ONCE):
+            self._caustics.trace(min(_AT_ONCE, n - start), first + start, seed, splat, draw)
+            dr.eval(sums)
+        unit = self._caustics.unit * pixels / n
+        return np.stack([np.asarray(total).astype(np.float64) * unit for total in sums])
+
+    def _pixels(self, place: Any, active: Any) -> Iterator[tuple[Any, Any, Any]]:
+        """Yield the pixels whose filter a place in the film is in, the filter there, and for which rays."""
+        import drjit as dr
+        import mitsuba as mi
+
+        tent = self._radius > 0.5
+        across = math.ceil(2 * self._radius) if tent else 1
+        of_axes = []
+        for x, pixels in ((place.x, self._width), (place.y, self._height)):
+            size = dr.opaque(mi.Float, pixels)
+            at = x * size - 0.5  # in pixels: their middles are whole numbers
+            first = dr.ceil(at - self._radius) if tent else dr.round(at)
+            axis = []
+            for k in range(across):
+                pixel = first + k
+                share = dr.maximum(1 - dr.abs(at - pixel) / self._radius, 0) / self._radius if tent else 1.0
+                axis.append((pixel, share, active & (pixel >= 0) & (pixel < size)))
+            of_axes.append(axis)
+        width = dr.opaque(mi.UInt32, self._width)
+        for row, share_y, in_y in of_axes[1]:
+            for column, share_x, in_x in of_axes[0]:
+                shown = in_x & in_y
+                number = mi.UInt32(dr.select(shown, row, 0)) * width + mi.UInt32(dr.select(shown, column, 0))
+                yield number, share_x * share_y, shown
