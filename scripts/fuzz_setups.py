@@ -98,6 +98,8 @@ def main() -> int:
             reasons[reason] += found == REFUSED
             if arguments.show and found not in (RENDERED, REFUSED):
                 print(f"{number}: {found}: {reason}: {drawn}", flush=True)
+            if arguments.show and sum(counts.values()) % 50 == 0:
+                print(f"so far {dict(counts)}", file=sys.stderr, flush=True)
     wrong = arguments.setups - counts[RENDERED] - counts[REFUSED]
     if arguments.show:
         for reason, count in reasons.most_common():

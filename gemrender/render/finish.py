@@ -41,6 +41,10 @@ PAPER, WHITE_PAPER = 0.8, 250
 def denoised(picture: Picture, *, clamp: bool = False) -> Picture:
     """Return the picture after Intel's Open Image Denoise, guided by albedo and normal.
 
+    The denoiser takes bright lonely pixels for noise, and their light away: at 2 samples a pixel a quarter of
+    a stone's under small lights, at 16 or more 1 to 4 %. It is given back: stones, ground, and what is beside
+    them keep their mean luminance each, that of the clamped picture where fireflies are clamped.
+
     Parameters
     ----------
     picture : Picture
@@ -56,12 +60,12 @@ def denoised(picture: Picture, *, clamp: bool = False) -> Picture:
     oidn = require_denoiser()
     if clamp:
         picture = without_fireflies(picture)
-    xyz = _denoised(oidn, picture.xyz, picture.albedo, picture.normal)
+    xyz = _as_bright(picture.xyz, _denoised(oidn, picture.xyz, picture.albedo, picture.normal), picture.shows)
     front = picture.foreground
     if front is not None:
         alone = _denoised(oidn, front.xyz, front.albedo, front.normal)
         alone[front.alpha == 0] = 0
-        front = replace(front, xyz=alone)
+        front = replace(front, xyz=_as_bright(front.xyz, alone, picture.shows))
     return replace(picture, xyz=xyz, foreground=front, halves=None)
 
 
@@ -85,6 +89,17 @@ def _denoised(oidn: Any, xyz: np.ndarray, albedo: np.ndarray, normal: np.ndarray
     denoise.max_memory_mb = DENOISER_MB  # it works in tiles, then
     denoise.execute()
     return np.asarray(result * white)
+
+
+def _as_bright(before: np.ndarray, after: np.ndarray, shows: np.ndarray) -> np.ndarray:
+    """Return XYZ after the denoiser, on average as bright as before where the same kind of thing is seen."""
+    after = after.copy()
+    for kind in np.unique(shows):
+        here = shows == kind
+        was, now = (float(xyz[here, 1].mean(dtype=np.float64)) for xyz in (before, after))
+        if was > 0 and now > 0:
+            after[here] *= np.float32(was / now)
+    return after
 
 
 def exposure_of(picture: Picture, setup: Setup, *, ev: float = 0.0, curve: str | None = None) -> float:

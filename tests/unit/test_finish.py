@@ -292,6 +292,28 @@ def test_png_is_clamped_and_says_so_and_exr_is_not(tmp_path):
     assert read_exr(write_picture(tmp_path / "a.exr", whole, SETUP, exposure=1.0))["Y"][2, 6] == 45.5 * 0.5
 
 
+@pytest.mark.parametrize("clamp", [False, True])
+def test_the_denoiser_takes_no_light_of_what_is_seen(clamp, rng):
+    """Of stones, ground and the rest each: light of lonely pixels too, which it would take away."""
+    pytest.importorskip("mitsuba_oidn")
+    noisy = picture(0.5, 0.2)
+    noisy = dataclasses.replace(noisy, **{
+        name: np.kron(getattr(noisy, name), np.ones((8, 8, 1) if getattr(noisy, name).ndim == 3 else (8, 8)))
+        .astype(getattr(noisy, name).dtype) for name in ("xyz", "albedo", "normal", "coverage", "shows")
+    })  # fmt: skip
+    halves = noisy.xyz[..., 1] * rng.uniform(0.5, 1.5, (2, *noisy.shows.shape)).astype(np.float32)
+    halves[0, 5:30:7, 3:70:7] *= 300
+    xyz = np.repeat(halves.mean(axis=0)[..., None], 3, axis=2)
+    noisy = dataclasses.replace(noisy, xyz=xyz, halves=halves, samples=FEWEST_SAMPLES)
+    given = without_fireflies(noisy) if clamp else noisy
+    assert (given is noisy) != clamp
+    after = denoised(noisy, clamp=clamp)
+    for kind in (Seen.STONE, Seen.GROUND):
+        here = noisy.shows == kind
+        assert after.xyz[here, 1].mean() == pytest.approx(given.xyz[here, 1].mean(), rel=DENOISED)
+        assert after.xyz[here, 1].std() < 0.7 * given.xyz[here, 1].std()
+
+
 def test_the_denoiser_gets_fireflies_unless_they_are_to_be_clamped():
     pytest.importorskip("mitsuba_oidn")
     whole = two_halves()
