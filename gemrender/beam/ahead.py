@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from gemrender.beam.clipping import SHORT, far_apart
 from gemrender.beam.compiled import bits, is_dual, jit_fast, jit_inner, real
 from gemrender.beam.crossing import PARALLEL
 
@@ -188,11 +189,12 @@ def planes_ahead(columns: Any, beam: Any, box: Any, corners: Any, n: int, room: 
         for j in range(n_close):
             possible = True
             for c in range(n_nearest):
-                closer, as_near = False, 0
+                closer, as_near, first = False, 0, -1
                 for k in range(n):
                     closer = closer or table[j, k] < table[candidates[c], k]
-                    if near > 0.0 and j != candidates[c]:
-                        as_near += table[j, k] < table[candidates[c], k] + near
+                    if near > 0.0 and j != candidates[c] and table[j, k] < table[candidates[c], k] + near:
+                        first = k if first < 0 else first
+                        as_near += first == k or far_apart(corners, first, k) > SHORT
                 possible = possible and (closer or as_near > 1)
             if possible:
                 candidates[count] = j

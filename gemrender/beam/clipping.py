@@ -14,11 +14,11 @@ from numba.extending import overload
 
 from gemrender.beam.compiled import STEP, is_dual, jit, jit_inner, real
 
-__all__ = ["area", "copy_out", "keep_below", "opens"]
+__all__ = ["SHORT", "area", "copy_out", "far_apart", "keep_below", "opens"]
 
 _NOTHING = np.int64(0)
 #: Edges no longer than this may be rounding's [girdle radius]; rounding itself, after some reflections.
-_SHORT, _ROUNDING = 1e-7, 1e-15
+SHORT, _ROUNDING = 1e-7, 1e-15
 #: Lines that cut at a smaller angle than this are one line, which no corner can be found on.
 _LEAST_SLOPE = 1e-6
 #: What is as near to a line is on it but for rounding [girdle radius]; and how fast it must leave it to count
@@ -38,7 +38,7 @@ def area(corners: Any, n: int) -> Any:
 
 
 @jit_inner
-def _far(corners: Any, i: int, k: int) -> float:
+def far_apart(corners: Any, i: int, k: int) -> float:
     """Return how far two corners lie from each other, along u and v together."""
     return float(abs(real(corners[i, 0] - corners[k, 0])) + abs(real(corners[i, 1] - corners[k, 1])))
 
@@ -75,13 +75,13 @@ def _cut(corners: Any, n: int, before: int, k: int, steep: float, found: Any) ->
     """
     inside, goes = (before, n - 1) if real(corners[before, 2]) <= 0.0 else (k, 1)
     here, there = corners[before, 2], corners[k, 2]
-    value, length = here.real / (here.real - there.real), _far(corners, before, k)
+    value, length = here.real / (here.real - there.real), far_apart(corners, before, k)
     last, ahead = before, k
-    if length <= _SHORT:
+    if length <= SHORT:
         last, ahead = inside, (inside + goes) % n
-        while ahead != before and ahead != k and _far(corners, ahead, last) <= _SHORT:
+        while ahead != before and ahead != k and far_apart(corners, ahead, last) <= SHORT:
             last, ahead = ahead, (ahead + goes) % n
-        along, falls = _far(corners, ahead, last), abs(corners[ahead, 2].real - corners[last, 2].real)
+        along, falls = far_apart(corners, ahead, last), abs(corners[ahead, 2].real - corners[last, 2].real)
         is_whole = ahead == before or ahead == k  # all edges are short
         crosses = falls >= _LEAST_SLOPE * steep * along
         is_worse = length * along * abs(here.real - there.real) > _ROUNDING * falls
@@ -91,7 +91,7 @@ def _cut(corners: Any, n: int, before: int, k: int, steep: float, found: Any) ->
     fall = start.real - end.real
     share = start.real / fall
     moves = 0.0
-    if abs(fall) > _ON_LINE * steep * _far(corners, last, ahead):
+    if abs(fall) > _ON_LINE * steep * far_apart(corners, last, ahead):
         moves = (start.imag - share * (start.imag - end.imag)) / fall
     for e in range(2):
         p, q = corners[before, e].real, corners[k, e].real
@@ -132,7 +132,7 @@ def opens(corners: Any, n: int, b: Any, c: Any) -> bool:
         here, there = corners[before, 2], corners[k, 2]
         if abs(real(here)) <= near and abs(real(there)) <= near:
             moves = max(abs(here.imag), abs(there.imag)) * _ON_LINE > _MOVES * STEP * near
-            if moves and _far(corners, before, k) > _SHORT:
+            if moves and far_apart(corners, before, k) > SHORT:
                 return True
         before = k
     return False
