@@ -114,7 +114,7 @@ def main() -> None:
     parser.add_argument("names", nargs="*", help=f"of {', '.join(known)}; by default all")
     parser.add_argument("--out", type=Path, default=Path("docs/gallery"), help="folder to write to")
     parser.add_argument("--size", type=int, default=1200, help="pixels a side")
-    parser.add_argument("--samples", type=int, default=64, help="samples a pixel")
+    parser.add_argument("--samples", type=int, default=32, help="samples a pixel")
     parser.add_argument("--seed", type=int, default=0, help="seed")
     parser.add_argument("--png", action="store_true", help="write PNG, not JPEG")
     parser.add_argument("--raw", action="store_true", help="do not denoise")
@@ -185,8 +185,8 @@ def turntable(out: Path, options: Options) -> None:
         frames=FRAMES,
         fps=FPS,
         carat=1.0,
-        size=options.size // 3 // 2 * 2,
-        spp=max(1, options.samples // 2),
+        size=options.size * 3 // 20 * 2,
+        spp=max(1, options.samples * 3 // 8),
         seed=options.seed,
         denoise=options.denoise,
     )
