@@ -86,7 +86,6 @@ INSTRUMENTS = {
     "samples-1-and-3": instrument("hemisphere", "inoue-1", "inoue-3", aspect=2.0),
     "oval-bow-tie": instrument("arrows", "oval-bow-tie"),
     "emerald-market": instrument("arrows", "emerald-market"),
-    "asscher-ideal": instrument("arrows", "asscher-ideal"),
     "pear-bow-tie": instrument("arrows", "pear-bow-tie"),
 }
 SHOTS = PHOTOGRAPHS | INSTRUMENTS
