@@ -9,6 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from gemrender.cuts import StoneLike, as_stone
 from gemrender.errors import InputError
 from gemrender.measurement import Measurement, MeasureValues, bound_text
 from gemrender.optics.fresnel import FRESNEL_LAWS, GUBELIN_INDEX
@@ -116,7 +117,7 @@ class Model:
     @classmethod
     def of(
         cls,
-        stone: Stone,
+        stone: StoneLike,
         *,
         index: float | None = None,
         fresnel: str | None = None,
@@ -127,8 +128,10 @@ class Model:
         """Return the model for a stone.
 
         By default the index is that of its material, the law Gübelin's table for diamond and else Fresnel's,
-        and the rule for rear light the stone's own (`Stone.rear_rule`).
+        and the rule for rear light the stone's own (`Stone.rear_rule`). The stone may be what `load_stone`
+        takes.
         """
+        stone = as_stone(stone)
         if index is None:
             try:
                 index = refractive_index(stone.material)
@@ -190,9 +193,13 @@ class View:
 
     @classmethod
     def of(
-        cls, stone: Stone, resolution: int, *, tilt_deg: float = 0.0, tilt_azimuth_deg: float = 0.0
+        cls, stone: StoneLike, resolution: int, *, tilt_deg: float = 0.0, tilt_azimuth_deg: float = 0.0
     ) -> View:
-        """Return the view whose map just holds the stone; tilted, however it is turned."""
+        """Return the view whose map just holds the stone; tilted, however it is turned.
+
+        The stone may be what `load_stone` takes.
+        """
+        stone = as_stone(stone)
         half_width = max(stone.half_width, stone.reach) if tilt_deg else stone.half_width
         return cls(
             resolution=resolution,

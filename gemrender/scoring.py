@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 from gemrender.engines import (
     DEFAULT_ENGINE,
@@ -16,11 +16,12 @@ from gemrender.engines import (
     trace_paths,
 )
 from gemrender.errors import InputError
-from gemrender.request import ShortForms
+from gemrender.request import ShortForms, TraceOptions, spelt_out
 
 if TYPE_CHECKING:
     import numpy as np
 
+    from gemrender.cuts import StoneLike
     from gemrender.measures import Measure
     from gemrender.observation import Measurement, MeasureValues, Model, Observation, View
     from gemrender.stone import Stone
@@ -229,33 +230,46 @@ def score_pixels(observation: Observation) -> Score:
     )
 
 
+@spelt_out
 def score(
-    stone: Stone,
+    stone: StoneLike,
     *,
     engine: str = DEFAULT_ENGINE,
     measures: str | Measure | Iterable[str | Measure] | None = None,
     head: float = DEFAULT_HEAD,
-    **options: Any,
+    **options: Unpack[TraceOptions],
 ) -> Score:
     """Trace a stone and score it.
 
+    ::
+
+        gemrender.score("inoue-3").average
+        gemrender.score("my-design.asc", measures="iso,aset", tilt=10)
+
     Parameters
     ----------
-    stone : Stone
-        The stone.
-    engine, **options
-        As for `observe`.
     measures : str, Measure, or iterable of them, optional
         What to measure besides the paper's score: names (`gemrender.measures`), several with commas between
         them, `all`, or measures of your own.
-    head : float
-        Half the angle at which the viewer's head is seen from the stone, 0 to below 90 [deg].
+    **options
+        As of `TraceOptions`.
+
+    Returns
+    -------
+    Score
+        Average, Rear and bands [%]; `to_dict`, `to_pandas`, `plot`.
 
     Raises
     ------
-    InputError, BackendError
-        As for `observe`; a measure that there is not, or that the engine cannot tell.
+    InputError
+        A value outside what is listed, a stone that the engine cannot trace, a measure that there is not, or
+        that the engine cannot tell.
+    BackendError
+        The engine cannot run here.
     """
+    from gemrender.cuts import as_stone
+
+    stone = as_stone(stone)
     chosen = chosen_or_none(measures)
     check_head(head)
     if engine_for(engine, stone) != "exact":
@@ -282,7 +296,7 @@ def add_measures(
     engine: str,
     measures: tuple[Measure, ...],
     head: float,
-    options: dict[str, Any],
+    options: TraceOptions,
 ) -> Score:
     """Return a score by pixels with what measures say of its engine's paths."""
     import numpy as np
@@ -298,10 +312,11 @@ def add_measures(
                 key="measures",
                 value=of.name,
             )
-    short: Any = {key: options[key] for key in ShortForms.__annotations__ if key in options}
-    view, model = resolve(stone, options.get("view"), options.get("model"), short)
+    given: Any = {**options}
+    short: Any = {key: given[key] for key in ShortForms.__annotations__ if key in given}
+    view, model = resolve(stone, given.get("view"), given.get("model"), short)
     tally = Tally(view, model, measures, head)
-    of_paths = {key: options[key] for key in ("variant", "seed", "progress") if key in options}
+    of_paths = {key: given[key] for key in ("variant", "seed", "progress") if key in given}
     sets = SETS if engine_for(engine, stone) == "mitsuba" else 1
     # As many rays, in sets: their scatter tells the error.
     coarser = replace(view, resolution=max(round(view.resolution / sets**0.5), 1))

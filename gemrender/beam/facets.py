@@ -15,10 +15,11 @@ from gemrender.beam.polygons import EXITED, GIRDLE_CELL, TRAPPED, Traced, trace_
 from gemrender.beam.rules import Rules
 from gemrender.beam.solid import NO_WEDGE, BeamStone, beam_stone
 from gemrender.beam.unfold import in_common, unfolding
+from gemrender.cuts import StoneLike, as_stone
 from gemrender.measures import inoue
 from gemrender.observation import LIGHT_LEVEL, Model, RayStatus, View
 from gemrender.paths import Paths
-from gemrender.request import ShortForms, resolve
+from gemrender.request import ShortForms, resolve, spelt_out
 from gemrender.stone import Stone
 
 __all__ = ["FacetStatus", "VirtualFacets", "kernel_rules", "polygon_paths", "trace_facets"]
@@ -229,8 +230,9 @@ def _unfolded_normals(polygons: Traced, planes: np.ndarray, unfolding: np.ndarra
     return np.asarray((unfolding[polygons.nodes[node, 0]] * planes[leaves, None, :3]).sum(axis=2))
 
 
+@spelt_out
 def trace_facets(
-    stone: Stone | BeamStone,
+    stone: StoneLike | BeamStone,
     *,
     view: View | None = None,
     model: Model | None = None,
@@ -243,12 +245,10 @@ def trace_facets(
 
     Parameters
     ----------
-    stone : Stone or BeamStone
-        The stone.
+    stone : Stone, str, path or BeamStone
+        The stone, or what `load_stone` takes; it must be convex.
     view : View, optional
         Where the eye is; by default straight above. Its resolution does not matter.
-    model : Model, optional
-        The optical model; by default that of the stone's material.
     whole : bool
         Whether to trace the whole view, or, of a symmetric stone from straight above, a part.
     least : float
@@ -258,14 +258,19 @@ def trace_facets(
         Time and memory to keep to: what is not followed to its end within them becomes girdle cells. Without
         one there are no limits, and a few stones of a high index take minutes and gigabytes.
     **short
-        Short forms of view and model, such as tilt (`gemrender.request.ShortForms`).
+        As of `ShortForms`.
+
+    Returns
+    -------
+    VirtualFacets
+        Polygons, each with its path; `plot`, `to_pandas`.
 
     Raises
     ------
     InputError
         The stone is not convex, or a short form is refused.
     """
-    convex = stone if isinstance(stone, BeamStone) else beam_stone(stone)
+    convex = stone if isinstance(stone, BeamStone) else beam_stone(as_stone(stone))
     if short:
         view, model = resolve(convex.stone, view, model, short)
     view = view or View(resolution=1)

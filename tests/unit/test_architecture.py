@@ -20,7 +20,7 @@ _ATLASES = ("xarray", "zarr", "fsspec", "h5netcdf", "h5py", "dask", "distributed
 #: The parts, lowest first, and the libraries that each may use. A part imports only from parts above its
 #: own line; those on one line do not know each other.
 LAYERS: list[dict[str, set[str]]] = [
-    {"errors": set()},
+    {"errors": set(), "signatures": set()},
     {"mistakes": set()},
     {"writing": set(), "reading": set(), "progress": set(), "interruption": set()},
     {"journal": set()},
