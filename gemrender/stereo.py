@@ -10,6 +10,7 @@ from gemrender.engines import DEFAULT_BOUND, DEFAULT_ENGINE, DEFAULT_HEAD, engin
 from gemrender.errors import InputError
 from gemrender.request import ShortForms, TraceOptions, resolve, spelt_out
 from gemrender.scoring import Score, chosen_or_none, score_measurement
+from gemrender.shown import Shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -28,8 +29,8 @@ EYE_SEPARATION, EYE_DISTANCE = 65.0, 300.0
 _SEPARATIONS, _DISTANCES = (0.0, 200.0), (50.0, 10_000.0)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class StereoScore:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class StereoScore(Shown):
     """What a pair of eyes sees of a stone.
 
     Attributes
@@ -51,6 +52,9 @@ class StereoScore:
     bound: float
     eye_separation: float
     eye_distance: float
+
+    def __repr__(self) -> str:
+        return f"<StereoScore of {self.middle.name!r}: the eyes disagree on {self.disagreement:.2f} %>"
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as JSON has it: the score from between the eyes, and `stereo` after it."""

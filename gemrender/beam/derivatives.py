@@ -14,6 +14,7 @@ from gemrender.measures import inoue
 from gemrender.measures.measure import Measure
 from gemrender.measures.tally import REST, Tally, bounds_of_sets
 from gemrender.observation import LIGHT_LEVEL
+from gemrender.shown import Shown
 from gemrender.stone import Stone
 
 __all__ = [
@@ -92,8 +93,8 @@ class Derivative:
         return out | ({"measures": measures} if measures else {})
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Sensitivity:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Sensitivity(Shown):
     """The derivatives of one stone's scores.
 
     Attributes
@@ -128,6 +129,9 @@ class Sensitivity:
     tilt_deg: float
     tilt_azimuth_deg: float
     seconds: float
+
+    def __repr__(self) -> str:
+        return f"<Sensitivity of {self.name!r} to {len(self.derivatives)} parameters>"
 
     def to_dict(self) -> dict[str, object]:
         """Return the derivatives for JSON."""

@@ -20,6 +20,7 @@ from gemrender.cuts import StoneLike, as_stone
 from gemrender.engines import DEFAULT_ENGINE, engine_for
 from gemrender.errors import InputError
 from gemrender.journal import Journal
+from gemrender.shown import Shown
 from gemrender.stone import Stone
 from gemrender.sweep.spreading import limit_threads
 from gemrender.sweep.unknown import MOST_JITTER, MOST_TILT_DEG, Cutting, Measuring, draw
@@ -34,8 +35,8 @@ _ROUNDING = 1e-3
 _BATCH = 4
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SymmetryStudy:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class SymmetryStudy(Shown):
     """The scores of a stone's draws.
 
     Attributes
@@ -62,6 +63,9 @@ class SymmetryStudy:
     average: tuple[float, ...]
     rear: tuple[float, ...]
     perfect: tuple[float, float]
+
+    def __repr__(self) -> str:
+        return f"<SymmetryStudy of {self.name!r}: {len(self.average)} draws>"
 
     def summary(self) -> dict[str, dict[str, float]]:
         """Return mean, standard deviation, median and the limits of the central 95 % of both scores [%]."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from gemrender.measures import Measure
 from gemrender.observation import MeasureValues
-from gemrender.shown import library, plots
+from gemrender.shown import Shown, library, plots
 from gemrender.sweep.poses import Pose
 
 __all__ = ["Tie", "TiltStudy", "TiltedValues"]
@@ -65,8 +65,8 @@ class Tie:
     amount: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class TiltStudy:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class TiltStudy(Shown):
     """Measures of a stone over its poses.
 
     Attributes
@@ -91,6 +91,9 @@ class TiltStudy:
     head_deg: float
     engine: str
     found: tuple[TiltedValues, ...]
+
+    def __repr__(self) -> str:
+        return f"<TiltStudy of {self.name!r}: {len(self.found)} poses>"
 
     @property
     def is_surface(self) -> bool:

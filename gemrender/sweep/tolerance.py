@@ -17,6 +17,7 @@ from gemrender.engines import DEFAULT_ENGINE, DEFAULT_HEAD, check_head, engine_f
 from gemrender.errors import InputError
 from gemrender.journal import Journal
 from gemrender.measures import Measure, chosen_measures
+from gemrender.shown import Shown
 from gemrender.stone import Stone
 from gemrender.sweep.spreading import FEW, limit_threads, spread
 from gemrender.sweep.symmetry import MOST_DRAWS
@@ -60,8 +61,8 @@ class Spread:
     most: float
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ToleranceStudy:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class ToleranceStudy(Shown):
     """The measures of a stone's draws.
 
     Attributes
@@ -89,6 +90,9 @@ class ToleranceStudy:
     bounds: tuple[float | None, ...]
     stated: np.ndarray
     drawn: np.ndarray
+
+    def __repr__(self) -> str:
+        return f"<ToleranceStudy of {self.name!r}: {len(self.drawn)} draws>"
 
     def spreads(self) -> tuple[Spread, ...]:
         """Return how each value is distributed, measure by measure."""

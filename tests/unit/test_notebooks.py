@@ -131,46 +131,56 @@ def results():
         "VirtualFacets": gemrender.trace_facets(NASTY),
         "MeasureMaps": gemrender.measure_maps(NASTY, measures="iso,aset", resolution=16),
         "Observation": gemrender.observe(NASTY, resolution=16),
+        "StereoScore": gemrender.score_stereo(NASTY, bound=0.5),
+        "Sensitivity": gemrender.sensitivity(NASTY, bound=1.0),
+        "TiltStudy": gemrender.study_tilt(NASTY, to_deg=1, processes=1),
+        "SymmetryStudy": gemrender.study_symmetry(NASTY, draws=1, processes=1),
+        "ToleranceStudy": gemrender.study_tolerance(NASTY, draws=2, processes=1),
+        "Improvement": gemrender.improve(
+            NASTY, "inoue", ["table=53.9:54.1"], rounds=1, answers=1, threads=1, details=False
+        ),
     }
 
 
-def page(result):
-    """Return what a notebook shows, read as XML: well-formed, or it raises."""
-    return ElementTree.fromstring(result._repr_html_())
+@pytest.fixture(scope="module")
+def pages(results):
+    """What a notebook shows of each, read as XML: well-formed, or it raises."""
+    return {kind: ElementTree.fromstring(result._repr_html_()) for kind, result in results.items()}
 
 
 KINDS = ("Stone", "Score", "Paths", "VirtualFacets", "MeasureMaps", "Observation")
+STUDIES = ("StereoScore", "Sensitivity", "TiltStudy", "SymmetryStudy", "ToleranceStudy", "Improvement")
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_names_from_files_are_text(results, kind):
-    root = page(results[kind])
+@pytest.mark.parametrize("kind", KINDS + STUDIES)
+def test_names_from_files_are_text(pages, kind):
+    root = pages[kind]
     assert NASTY.name in "".join(root.itertext())
     assert not {"script", "link", "iframe"} & {element.tag.split("}")[-1] for element in root.iter()}
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_a_page_brings_all_it_needs(results, kind):
-    for element in page(results[kind]).iter():
+@pytest.mark.parametrize("kind", KINDS + STUDIES)
+def test_a_page_brings_all_it_needs(pages, kind):
+    for element in pages[kind].iter():
         for name in ("src", "href", "onload", "onclick"):
             assert element.get(name, "data:").startswith("data:image/png") or name not in element.attrib
         assert "url(" not in element.get("style", "")
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_text_has_the_colour_of_the_notebook(results, kind):
-    for element in page(results[kind]).iter():
+@pytest.mark.parametrize("kind", KINDS + STUDIES)
+def test_text_has_the_colour_of_the_notebook(pages, kind):
+    for element in pages[kind].iter():
         assert not re.search(r"(?<!-)color:(?!inherit)", element.get("style", ""))
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", KINDS + STUDIES)
 def test_the_plain_text_is_short(results, kind):
     assert len(repr(results[kind])) < 3000
     assert "\n" not in repr(results[kind])
 
 
-def test_a_score_is_told_with_its_bound(results):
-    rows = [["".join(cell.itertext()) for cell in row] for row in page(results["Score"]).iter("tr")]
+def test_a_score_is_told_with_its_bound(results, pages):
+    rows = [["".join(cell.itertext()) for cell in row] for row in pages["Score"].iter("tr")]
     score = results["Score"]
     told = {row[0]: row[1:] for row in rows}
     assert float(told["Average intensity"][0]) == pytest.approx(score.average, abs=0.005)
@@ -191,8 +201,8 @@ def areas_by_colour(root):
     return areas
 
 
-def test_the_drawn_facets_have_the_areas_of_the_score(results):
-    areas = areas_by_colour(page(results["VirtualFacets"]))
+def test_the_drawn_facets_have_the_areas_of_the_score(pages):
+    areas = areas_by_colour(pages["VirtualFacets"])
     score = gemrender.score(STONE)
     whole = np.pi * 1000.0**2
     for colour, share in zip(BAND_COLOURS, (band.share for band in score.bands), strict=True):
@@ -208,8 +218,8 @@ def test_a_drawing_has_the_largest_facets_where_there_are_many(results, monkeypa
     assert shown.count("z") < 400
 
 
-def test_a_map_is_transparent_beside_the_stone(results):
-    [shown, *_] = page(results["Observation"]).iter("img")
+def test_a_map_is_transparent_beside_the_stone(results, pages):
+    [shown, *_] = pages["Observation"].iter("img")
     data = base64.b64decode(shown.get("src").partition(",")[2])
     alpha = np.asarray(Image.open(io.BytesIO(data)))[..., 3]
     seen = results["Observation"].coverage
@@ -233,8 +243,7 @@ def axes():
 
 
 def test_results_are_drawn_onto_the_axes_that_are_given(results, axes):
-    results["tilt"] = gemrender.study_tilt(STONE, to_deg=1, processes=1)
-    for kind in (*KINDS, "tilt"):
+    for kind in (*KINDS, "TiltStudy"):
         if kind != "Paths":
             axes.clear()
             assert results[kind].plot(ax=axes) is axes

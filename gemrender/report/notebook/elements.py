@@ -12,6 +12,8 @@ __all__ = ["bar", "beside", "box", "cell", "image", "notes", "svg", "swatch", "t
 
 #: Lines between rows: a grey that is seen on white and on black.
 _LINE = "1px solid rgba(128,128,128,0.35)"
+#: Around fields of colour, which may be nearly that of the ground.
+_FRAME = "1px solid rgba(128,128,128,0.8)"
 _FAINT = "opacity:0.75"
 _CELL = "padding:0.15em 0.9em 0.15em 0;border:0;vertical-align:top;background:none;white-space:nowrap"
 
@@ -19,9 +21,10 @@ _CELL = "padding:0.15em 0.9em 0.15em 0;border:0;vertical-align:top;background:no
 def box(title: str, *parts: str, below: str = "") -> str:
     """Return a block with a heading, a faint line beneath it, and parts."""
     faint = f'<div style="{_FAINT}">{escape(below)}</div>' if below else ""
+    head = f'<div style="font-weight:600;font-size:115%">{escape(title)}</div>' if title else ""
     return (
         '<div style="font-size:13px;line-height:1.45;color:inherit;max-width:84em;overflow-x:auto">'
-        f'<div style="font-weight:600;font-size:115%">{escape(title)}</div>{faint}{"".join(parts)}</div>'
+        f"{head}{faint}{''.join(parts)}</div>"
     )
 
 
@@ -41,14 +44,14 @@ def cell(text: str) -> str:
 
 def swatch(colour: str, text: str) -> str:
     """Return a text with a field of a colour before it."""
-    field = f"display:inline-block;width:0.8em;height:0.8em;background:{escape(colour)};border:{_LINE}"
+    field = f"display:inline-block;width:0.8em;height:0.8em;background:{escape(colour)};border:{_FRAME}"
     return f'<span style="{field}"></span>&#160; {escape(text)}'
 
 
 def bar(share: float, colour: str) -> str:
     """Return a bar, of so much of its cell's width, 0 to 1."""
     style = f"width:{8.0 * min(max(share, 0.0), 1.0):.2f}em;height:0.8em;background:{escape(colour)}"
-    return f'<div style="{style};border:{_LINE};box-sizing:border-box;margin-top:0.3em"></div>'
+    return f'<div style="{style};border:{_FRAME};box-sizing:border-box;margin-top:0.3em"></div>'
 
 
 def table(rows: Iterable[Sequence[str]], heads: Sequence[str] = (), *, numbers: Sequence[int] = ()) -> str:

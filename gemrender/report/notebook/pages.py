@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -14,6 +15,7 @@ from gemrender.paths import Paths
 from gemrender.report.displays.projection import CROWN, PAVILION, side
 from gemrender.report.facets import facet_classes
 from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR, map_picture
+from gemrender.report.formats import TextTable
 from gemrender.report.inspection import figures_of_stone, inspect_stone
 from gemrender.report.measure_maps import measure_map_picture
 from gemrender.report.notebook.drawings import facets_drawing, map_pixels, stone_drawing
@@ -32,6 +34,16 @@ __all__ = ["html_of"]
 _STONE, _MAP = 190, 320
 #: Paths and maps that are shown.
 _PATHS, _MAPS = 8, 6
+#: What makes the tables of studies, which the command line prints too.
+_TABLES = {
+    "StereoScore": ("tables", "stereo_table"),
+    "Sensitivity": ("sensitivity", "sensitivity_table", "measure_slopes_table"),
+    "TiltStudy": ("tilt", "tilt_table"),
+    "SymmetryStudy": ("symmetry", "study_table"),
+    "ToleranceStudy": ("tolerance", "tolerance_table"),
+    "Improvement": ("improve", "improvement_tables"),
+    "Front": ("improve", "improvement_tables"),
+}
 #: A stone of more triangles or planes is not drawn: its edges hidden by one another would take long.
 _MOST_DRAWN = 3000
 
@@ -41,14 +53,35 @@ def html_of(thing: Any) -> str:
 
     Parameters
     ----------
-    thing : Stone, Score, Paths, VirtualFacets, MeasureMaps or Observation
-        The result.
+    thing : object
+        The result: a stone, a score, paths, virtual facets, maps, or a study that has tables.
     """
     makers: dict[str, Callable[[Any], str]] = {
         "Stone": _stone, "Score": _score, "Paths": _paths, "VirtualFacets": _facets, "MeasureMaps": _maps,
         "Observation": _observation,
     }  # fmt: skip
-    return next(makers[kind.__name__](thing) for kind in type(thing).__mro__ if kind.__name__ in makers)
+    kind = type(thing).__name__
+    return makers[kind](thing) if kind in makers else _tables(thing)
+
+
+def _tables(thing: Any) -> str:
+    """Return what the command line prints of a study."""
+    module, *functions = _TABLES[type(thing).__name__]
+    made: list[TextTable] = []
+    for function in functions:
+        found = getattr(importlib.import_module(f"gemrender.report.{module}"), function)(
+            thing if module == "improve" else [thing]
+        )
+        made += found if isinstance(found, list) else [found]
+    return f"<div>{''.join(_text_table(each) for each in made if each.rows or len(made) == 1)}</div>"
+
+
+def _text_table(of: TextTable) -> str:
+    """Return a table for people as HTML, with its notes beneath."""
+    rows = [[cell(each if isinstance(each, str) else each.text) for each in row] for row in of.rows]
+    numbers = [k for k, column in enumerate(of.columns) if not column.is_text]
+    shown = table(rows, [column.name for column in of.columns], numbers=numbers)
+    return box("", shown, notes(note.text for note in of.notes))
 
 
 def _stone(stone: Stone) -> str:
@@ -129,8 +162,8 @@ def _paths(paths: Paths) -> str:
             cell(facet(int(paths.exit_facet[k]))),
             cell(degrees(float(paths.cos_entry[k].real))),
             cell(degrees(float(paths.cos_exit[k].real))),
-            cell(", ".join(f"{x:.3f}" for x in point.tolist())),
-            cell(", ".join(f"{x:.3f}" for x in direction.tolist())),
+            cell(", ".join(f"{x:.2f}" for x in point.tolist())),
+            cell(", ".join(f"{x:.2f}" for x in direction.tolist())),
         ])  # fmt: skip
     heads = (
         "", "Area", "Weight", "Status", "Reflections", "Entry", "Exit", "Angle at entry", "at exit",

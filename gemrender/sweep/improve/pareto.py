@@ -17,6 +17,7 @@ import numpy as np
 from gemrender.cuts import StoneLike
 from gemrender.engines import DEFAULT_HEAD
 from gemrender.errors import BackendError, InputError
+from gemrender.shown import Shown
 from gemrender.signatures import parameter_texts, spelt_out
 from gemrender.sweep.improve.answers import (
     Answer,
@@ -58,8 +59,8 @@ class FrontStone:
     goals: tuple[float, ...]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Front:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Front(Shown):
     """What a search for several goals found.
 
     Attributes
@@ -84,6 +85,9 @@ class Front:
     front: tuple[FrontStone, ...]
     tried: int
     seed: int
+
+    def __repr__(self) -> str:
+        return f"<Front from {self.start.stone.name!r}: {len(self.front)} of {self.tried} stones tried>"
 
 
 @spelt_out(defaults={}, texts=parameter_texts(improve.__doc__), types={})

@@ -16,6 +16,7 @@ from typing import Any
 from gemrender.cuts import StoneLike
 from gemrender.engines import DEFAULT_HEAD
 from gemrender.errors import InputError
+from gemrender.shown import Shown
 from gemrender.sweep.improve.answers import (
     Answer,
     Phases,
@@ -35,8 +36,8 @@ from gemrender.sweep.unknown import Unknown
 __all__ = ["Answer", "Improvement", "SearchInterruptedError", "improve"]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Improvement:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Improvement(Shown):
     """What a search found.
 
     Attributes
@@ -58,6 +59,10 @@ class Improvement:
     answers: tuple[Answer, ...]
     tried: int
     seed: int
+
+    def __repr__(self) -> str:
+        name, answers = self.start.stone.name, len(self.answers)
+        return f"<Improvement of {name!r}: {answers} answers of {self.tried} stones tried>"
 
     @property
     def goals(self) -> tuple[Goal, ...]:
