@@ -47,8 +47,15 @@ class Caustics:
     So no path is followed twice, and none is left out: a path is the light's if its lamp is small and,
     counted from the eye, its first surface is diffuse, and so is the last one before the stones that part it
     from the lamp. `gem_path` leaves out light that it finds so when it is told what is traced. A surface is
-    diffuse when all parts of its BSDF are; a light is small by the solid angle that the stones see it under
-    (see `Emission`), as points, directions and suns in images of skies are.
+    diffuse when all parts of its BSDF are: paper, velvet and plain grounds are, skin (which shines), metals
+    and glass are not, and light that passes one of these between lamp and stone, or between stone and the
+    first diffuse surface, is the eye's. A light is small by the solid angle that the stones see it under (see
+    `Emission`), as points and directions are. A sky is one light, an image or a studio of boxes too: it is
+    traced as a whole where what is bright in it is small, as a sun in a dim sky; small boxes beside large
+    ones are left to the eye with it.
+
+    S is any surface of a stone, a rough girdle too: `walk`, from the light as from the eye, scatters there as
+    `split` does (see `rough`), and goes on. Things of ground glass are no stones.
 
     From the eye such a path is found only when a ray off the paper happens to meet the light through the
     stone; from the light each one lands on the paper.
