@@ -75,9 +75,9 @@ class PathIntegrator(mi.SamplingIntegrator):
     and a ``GemrenderWarning`` says so.
 
     Light that small lamps throw through stones on diffuse surfaces is found by chance only. ``gemrender
-    render`` traces it from the lamps instead, and tells the integrator to leave it out: of each path that ends
-    on a small lamp, whose first surface from the camera is diffuse, and whose last diffuse surface only stones
-    part from the lamp.
+    render`` traces it from the lamps instead, and tells the integrator to leave it out: of each path that
+    ends on a small lamp, whose first surface from the camera is diffuse, and whose last diffuse surface only
+    stones part from the lamp.
 
     At a rough girdle (``girdle_alpha``) one way is drawn, out or in, that carries all the light; where a path
     first enters a dispersive stone there, it goes on with one wavelength, drawn of all. Light that is traced
