@@ -48,8 +48,7 @@ if TYPE_CHECKING:
     from gemrender.scene.setup import Setup, bundled_setups, load_setup
     from gemrender.stereo import StereoScore, score_stereo
     from gemrender.stone import Stone
-    from gemrender.sweep.improve import improve
-    from gemrender.sweep.pareto import pareto_front
+    from gemrender.sweep.improve import improve, pareto_front
     from gemrender.sweep.tolerance import study_tolerance
     from gemrender.sweep.unknown import Cutting, Measuring, Rounding
 
@@ -131,7 +130,7 @@ _ON_DEMAND = {
     "Rounding": "gemrender.sweep.unknown",
     "families": "gemrender.cuts.families",
     "improve": "gemrender.sweep.improve",
-    "pareto_front": "gemrender.sweep.pareto",
+    "pareto_front": "gemrender.sweep.improve",
     "study_tolerance": "gemrender.sweep.tolerance",
     "VirtualFacets": "gemrender.beam",
     "sensitivity": "gemrender.beam.sensitivity",

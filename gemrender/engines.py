@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Unpack
 
 from gemrender.errors import BackendError, InputError
@@ -54,6 +55,9 @@ DEFAULT_HEAD = 10.0
 #: What an exact score may take before it ends with a larger bound: time [s] and memory [GiB].
 DEFAULT_TIME_LIMIT = 5.0
 DEFAULT_MEMORY_LIMIT = 1.0
+#: By how much stones are turned where engines are compared [deg]: rows, columns and diagonals of pixels lie
+#: on planes of symmetry of many, and so on edges, where either of two paths is right.
+_OFF_PLANES = 1.0
 
 
 def engine_for(engine: str, stone: Stone) -> str:
@@ -340,13 +344,16 @@ def observe_alike(
 ) -> list[Observation]:
     """Trace the very same rays with all engines; options and errors as for `observe`.
 
-    Mitsuba's rays start where single precision puts them, and the others follow just those.
+    Mitsuba's rays start where single precision puts them, and the others follow just those. The stone is
+    turned a little about its axis, and the eye with it, so that no pixels lie on planes of symmetry: there
+    either of two mirror images of a path is right.
 
     Returns
     -------
     list of Observation
         By the reference, by Mitsuba, and, if the stone is convex, by beams.
     """
+    stone, options = stone.rotated(_OFF_PLANES), _turned(options)
     by_mitsuba = observe(stone, engine="mitsuba", variant=variant, **options)
     from gemrender.reference import observe as by_reference
     from gemrender.render.observe import sensor_rays
@@ -362,6 +369,14 @@ def observe_alike(
         # Pixels are compared, not scores.
         out.append(by_beams(stone, view, model, rays=rays, bound=10.0, budget=budget))
     return out
+
+
+def _turned(options: dict[str, Any]) -> dict[str, Any]:
+    """Return options with the eye turned as the stone is where engines are compared."""
+    view = options.get("view")
+    if view is None:
+        return options | {"tilt_azimuth": options.get("tilt_azimuth", 0.0) + _OFF_PLANES}
+    return options | {"view": replace(view, tilt_azimuth_deg=view.tilt_azimuth_deg + _OFF_PLANES)}
 
 
 def _beam() -> Any:

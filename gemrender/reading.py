@@ -411,6 +411,12 @@ def bundled_files(folder: str) -> dict[str, Path]:
     dict of str to Path
         File by its name without .toml, in alphabetical order; none where there is no such folder.
     """
+    scenes = bundled_folder(folder)
+    return {path.stem: path for path in sorted(scenes.glob("*.toml"))} if scenes else {}
+
+
+def bundled_folder(folder: str) -> Path | None:
+    """Return a folder within `scenes` ("" is `scenes` itself); None where there is no `scenes`."""
     package = Path(str(resources.files("gemrender")))
     scenes = next((f for f in (package / "scenes", package.parent / "scenes") if f.is_dir()), None)
-    return {path.stem: path for path in sorted((scenes / folder).glob("*.toml"))} if scenes else {}
+    return scenes / folder if scenes else None

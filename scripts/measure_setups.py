@@ -17,18 +17,22 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
+import gemrender
 from gemrender.colorimetry import luminance_weights
 from gemrender.cuts import load_stone
+from gemrender.cuts.round_brilliant.proportions import RoundBrilliant
 from gemrender.errors import BackendError
 from gemrender.render.curves import MID_GREY
 from gemrender.render.develop import decode_srgb
-from gemrender.render.finish import denoised, developed, exposure_of
-from gemrender.render.photoreal import Picture, make_gems, render, require_denoiser
-from gemrender.scene.setup import Setup, load_setup
+from gemrender.render.first_seen import Seen
+from gemrender.render.photoreal import require_denoiser
+from gemrender.render.picture import Picture
 from gemrender.stone import Stone
 
 #: Set-ups that picture a stone as a photographer does, and not as an instrument.
-SETUPS = ("product", "studio", "white", "window", "velvet", "fire", "loupe", "macro", "sun")
+SETUPS = ("product", "studio", "white", "window", "velvet", "fire", "loupe", "hand", "macro", "sun")
+#: What `measured` prints.
+HEADINGS = "paper  apart   dark  bright  contrast  coloured  arrows  noise  time"
 #: What counts as a colour: chroma, the largest channel less the smallest, of a pixel of mid grey or brighter.
 COLOURED = 0.12
 #: Ring of the face-up stone that holds the arrows' shafts [girdle radius].
@@ -47,49 +51,43 @@ def main() -> None:
     parser.add_argument("--raw", action="store_true", help="do not denoise")
     parser.add_argument("--out", type=Path, help="folder for the pictures")
     arguments = parser.parse_args()
-    denoise = not arguments.raw and _can_denoise()
-    print(f"{'set-up':10} paper  apart   dark  bright  contrast  coloured  arrows  noise  time")
+    denoise = not arguments.raw and can_denoise()
+    print(f"{'set-up':10} {HEADINGS}")
     for name in arguments.setups:
-        setup = load_setup(name)
-        gems = make_gems([_stone(arguments.stone)], material=arguments.material, carat=1.0)
-        size = arguments.size
-        picture = render(gems, setup, width=size, height=size, spp=arguments.samples, seed=arguments.seed)
-        rgb = shown(picture, setup, denoise)
+        picture = gemrender.render(
+            stone_of(arguments.stone),
+            name,
+            material=arguments.material,
+            carat=1.0,
+            size=arguments.size,
+            spp=arguments.samples,
+            seed=arguments.seed,
+            denoise=denoise,
+        )
+        rgb = picture.rgb8()
         if arguments.out is not None:
             arguments.out.mkdir(parents=True, exist_ok=True)
             Image.fromarray(rgb).save(arguments.out / f"{Path(name).stem}.png")
-        values = measured(picture, setup, rgb)
-        print(f"{Path(name).stem:10} {values}  {picture.noise:5.3f}  {picture.seconds:3.0f} s", flush=True)
+        print(f"{Path(name).stem:10} {measured(picture, rgb)}", flush=True)
 
 
-def shown(picture: Picture, setup: Setup, denoise: bool) -> np.ndarray:
-    """Return the picture for the screen through the set-up's curve."""
-    exposure = exposure_of(picture, setup)
-    if denoise:
-        picture = denoised(picture, clamp=True)
-    return developed(picture, setup, exposure=exposure, curve=setup.curve)
-
-
-def measured(picture: Picture, setup: Setup, rgb: np.ndarray) -> str:
-    """Return the numbers of a picture as a row."""
-    covered = picture.coverage > 0.99
-    on_stone = covered & (picture.albedo.min(axis=2) > 0.99)
-    on_ground = covered & (picture.albedo.max(axis=2) < 0.99)
+def measured(picture: Picture, rgb: np.ndarray) -> str:
+    """Return the numbers of a picture, and of what the screen shows of it, below `HEADINGS`."""
+    on_stone, on_ground = picture.shows == Seen.STONE, picture.shows == Seen.GROUND
     paper, apart = "  -  ", "  -  "
     if on_ground.any():
         median = np.median(rgb[on_ground], axis=0)
         paper, apart = f"{median.mean():5.0f}", f"{np.ptp(median):5.0f}"
-    linear = decode_srgb(rgb[on_stone] / 255.0)
-    luminance = linear @ luminance_weights()
+    encoded = rgb[on_stone] / 255.0
+    luminance = decode_srgb(encoded) @ luminance_weights()
     dark, bright = np.percentile(rgb[on_stone].mean(axis=1), [2, 98])
     contrast = luminance.std() / luminance.mean()
-    encoded = rgb[on_stone] / 255.0
     coloured = (np.ptp(encoded, axis=1) > COLOURED) & (luminance > 0.5 * MID_GREY)
     arrows = "  -   "
-    if setup.camera.elevation > 85 and setup.pose == "table-up":
+    if picture.setup.camera.elevation > 85 and picture.setup.pose == "table-up":
         arrows = f"{arrow_darkness(rgb, on_stone):6.2f}"
     row = f"{paper}  {apart}  {dark:5.0f}  {bright:6.0f}  {contrast:8.2f}  {100 * coloured.mean():6.1f} %"
-    return f"{row}  {arrows}"
+    return f"{row}  {arrows}  {picture.noise:5.3f}  {picture.seconds:3.0f} s"
 
 
 def arrow_darkness(rgb: np.ndarray, on_stone: np.ndarray) -> float:
@@ -105,18 +103,22 @@ def arrow_darkness(rgb: np.ndarray, on_stone: np.ndarray) -> float:
     return float(1 - np.median(level[:fifth]) / max(np.median(level[fifth:]), 1.0))
 
 
-def _stone(name: str) -> Stone:
-    if name == "near-ideal":
-        from gallery import stone_of
+def stone_of(name: str) -> Stone:
+    """Return a stone by its name or file, or a round brilliant of near-ideal proportions."""
+    if name != "near-ideal":
+        return load_stone(name)
+    cut = RoundBrilliant.from_angles(
+        table=56, crown_angle=34.5, pavilion_angle=40.75, star=50, lower_half=77, girdle_thickness=2.5
+    )
+    return cut.stone(name=name)
 
-        return stone_of(name)
-    return load_stone(name)
 
-
-def _can_denoise() -> bool:
+def can_denoise() -> bool:
+    """Return whether there is the denoiser; where there is none, say how to get it."""
     try:
         require_denoiser()
-    except BackendError:
+    except BackendError as error:
+        print(error)
         return False
     return True
 

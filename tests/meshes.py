@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 
@@ -19,6 +20,14 @@ def box(half=(1, 1, 1), centre=(0, 0, 0), rotation=None):
     """Corners (8, 3) and faces (12, 3) of a box."""
     corners = np.array(list(product((-1, 1), repeat=3)), dtype=float) * half
     return corners @ (np.eye(3) if rotation is None else rotation).T + centre, BOX_FACES
+
+
+def obj(path, mesh):
+    """Write a mesh as an OBJ file; return its path."""
+    positions, faces = mesh
+    lines = [f"v {x} {y} {z}" for x, y, z in positions] + [f"f {a} {b} {c}" for a, b, c in faces + 1]
+    Path(path).write_text("\n".join(lines) + "\n")
+    return str(path)
 
 
 def soup(positions, faces):

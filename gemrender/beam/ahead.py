@@ -14,13 +14,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from gemrender.beam.compiled import bits, jit_fast, jit_inner, real
+from gemrender.beam.clipping import SHORT, far_apart
+from gemrender.beam.compiled import bits, is_dual, jit_fast, jit_inner, real
 from gemrender.beam.crossing import PARALLEL
 
 __all__ = ["Ahead", "Box", "box_around", "planes_ahead"]
 
 #: What juts out of a plane by less does so by rounding, perhaps [girdle radius].
 _ROUNDING = 1e-11
+#: Distances that differ by less are the same but for rounding [girdle radius].
+_AS_NEAR = 1e-12
 #: The last bits of a key, a plane's number; a key that is larger than all.
 _NUMBER, _NO_KEY = np.int64((1 << 20) - 1), np.int64((1 << 63) - 1)
 
@@ -178,16 +181,21 @@ def planes_ahead(columns: Any, beam: Any, box: Any, corners: Any, n: int, room: 
         if new:
             candidates[count] = nearest
             count += 1
-    if count > 1:  # else nearest at all corners, and so everywhere: the lower envelope is concave
+    # With derivatives a plane counts that is as near along an edge, but for rounding: it may open there.
+    near = _AS_NEAR if is_dual(corners) else 0.0
+    if count > 1 or near > 0.0:  # else nearest at all corners, and so everywhere: the envelope is concave
         # A plane that is further than one of these at every corner is so everywhere.
         n_nearest = count
         for j in range(n_close):
             possible = True
             for c in range(n_nearest):
-                closer = False
+                closer, as_near, first = False, 0, -1
                 for k in range(n):
                     closer = closer or table[j, k] < table[candidates[c], k]
-                possible = possible and closer
+                    if near > 0.0 and j != candidates[c] and table[j, k] < table[candidates[c], k] + near:
+                        first = k if first < 0 else first
+                        as_near += first == k or far_apart(corners, first, k) > SHORT
+                possible = possible and (closer or as_near > 1)
             if possible:
                 candidates[count] = j
                 count += 1

@@ -26,10 +26,6 @@ __all__ = ["KEPT_BY_WAY", "by_tiers", "design_unit", "parameters_of_stone", "tie
 #: What `Derivative.kept` says where meets are free, loose and kept.
 KEPT_BY_WAY = {"free": "tiers", "loose": "middles", "kept": "meets"}
 
-#: Facets that meet are moved apart by this, at random [stone's unit]: far beyond rounding, which else makes
-#: edges of no length of them that point anywhere; slopes change by 1e-9 of themselves.
-_APART = 1e-12
-
 
 def tier_planes(stone: Stone, design: Design, tier: int, quantity: str) -> np.ndarray:
     """Return a design's planes, (p, 4) complex128, with their derivatives by a tier's angle or distance.
@@ -81,7 +77,6 @@ def by_tiers(
         )
     unit = design_unit(stone, design)
     angles, distances = values_of(design)
-    apart = _APART * np.random.default_rng(1).uniform(-1.0, 1.0, len(stone.facets))
     names, changes = [], []
     for tier, quantity in parameters_of_stone(stone, design):
         with contextlib.suppress(InputError):
@@ -91,12 +86,9 @@ def by_tiers(
                 (angles + 1j * STEP * by_angle).tolist(),
                 (distances + 1j * STEP * by_distance).tolist(),
             )
-            planes = _in_stone(stone, moving)
-            if meets == "kept":
-                planes[:, 3] += apart
             is_angle = quantity == "angle_deg"
             # A distance counts in per cent of the stone's unit.
-            changes.append((planes, 1.0 if is_angle else 0.01 * unit))
+            changes.append((_in_stone(stone, moving), 1.0 if is_angle else 0.01 * unit))
             names.append((parameter_name(design, tier, quantity), "deg" if is_angle else "%"))
     scores, slopes = exact_slopes(
         beam_stone(stone), changes, tally, wanted, seed, budget, progress, over_views, whole=True

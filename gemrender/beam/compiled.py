@@ -24,7 +24,7 @@ from numba.extending import intrinsic, overload
 from gemrender.beam.budget import PAUSED
 from gemrender.beam.cache import KernelCache
 
-__all__ = ["STEP", "bits", "jit", "jit_fast", "jit_inner", "jit_with_arrays", "real", "root"]
+__all__ = ["STEP", "bits", "is_dual", "jit", "jit_fast", "jit_inner", "jit_with_arrays", "real", "root"]
 
 #: Imaginary part that stands for a derivative of 1: its square is nothing beside any real part.
 STEP = 1e-30
@@ -115,6 +115,22 @@ def _real(x: Any) -> Any:
         return x
 
     return dual if isinstance(x, types.Complex) else plain
+
+
+def is_dual(x: Any) -> bool:
+    """Return whether numbers of an array carry derivatives."""
+    return bool(x.dtype.kind == "c")
+
+
+@overload(is_dual)
+def _is_dual(x: Any) -> Any:
+    def yes(x: Any) -> bool:
+        return True
+
+    def no(x: Any) -> bool:
+        return False
+
+    return yes if isinstance(x.dtype, types.Complex) else no
 
 
 def root(x: Any) -> Any:

@@ -16,6 +16,7 @@ __all__ = [
     "NODE_BYTES",
     "NO_MEMORY",
     "NO_TIME",
+    "OPENS",
     "POLYGON_BYTES",
     "UNACCOUNTED",
     "Path",
@@ -74,9 +75,10 @@ class Work(NamedTuple):
     room : (2, 6) int64
         How many corners and polygons that are done, corners and polygons that wait, nodes, and corners of the
         table there is room for, and for how many there must be before the next polygon is followed.
-    sums : (3,) float64
+    sums : (4,) float64
         Areas [girdle radius^2]: that no polygon of principal light holds, slivers thinner than rounding; and
-        of girdle cells that the limits have made of it, by time and by memory.
+        of girdle cells that the limits have made of it, by time and by memory. Where there are derivatives,
+        then how often a polygon of no width opens (`clipping.opens`).
     table : (3, m, 3) like the corners
         Polygons that are cut (`clipping`).
     distances : (p, 3) like the corners
@@ -99,7 +101,7 @@ class Work(NamedTuple):
 #: Room at first; most stones seen from above need no more.
 _FIRST_CORNERS, _FIRST_POLYGONS = 1 << 14, 1 << 12
 #: What is in `sums`, by place.
-UNACCOUNTED, NO_TIME, NO_MEMORY = range(3)
+UNACCOUNTED, NO_TIME, NO_MEMORY, OPENS = range(4)
 #: What the lists hold of each [bytes]: of a node, of a corner, and of a polygon besides.
 NODE_BYTES, CORNER_BYTES, POLYGON_BYTES = 16, 16, 8 * (7 + BEAM + 2)
 
@@ -165,7 +167,7 @@ def empty_work(p: int, more: int, kind: np.dtype) -> Work:
         nodes=np.empty((p + _FIRST_POLYGONS, 2), np.int64),
         used=np.zeros(1, np.int64),
         room=np.zeros((2, 6), np.int64),
-        sums=np.zeros(3),
+        sums=np.zeros(4),
         table=np.empty((3, most, 3), kind),
         distances=np.empty((p, 3), kind),
         ahead=Ahead(np.empty(p), np.empty((2, p), np.int64), np.empty((p, most))),

@@ -33,7 +33,7 @@ from gemrender.beam.beams import (
     write_beam,
     write_distance,
 )
-from gemrender.beam.clipping import area, keep_below
+from gemrender.beam.clipping import area, keep_below, opens
 from gemrender.beam.compiled import jit, jit_inner, real
 from gemrender.beam.crossing import into_air, into_stone, is_total, reflected_share
 from gemrender.beam.lists import (
@@ -41,6 +41,7 @@ from gemrender.beam.lists import (
     NO_MEMORY,
     NO_TIME,
     NODE_BYTES,
+    OPENS,
     POLYGON_BYTES,
     UNACCOUNTED,
     Path,
@@ -102,6 +103,8 @@ class Traced(NamedTuple):
         Area that no polygon holds: slivers thinner than rounding [girdle radius^2].
     no_time, no_memory : float
         Area of girdle cells that the limits have made [girdle radius^2].
+    opens : bool
+        Whether polygons of no width open where the planes move, so that derivatives have two sides.
     """
 
     corners: np.ndarray
@@ -116,6 +119,7 @@ class Traced(NamedTuple):
     unaccounted: float
     no_time: float
     no_memory: float
+    opens: bool
 
 
 # ---- The facets that the eye sees ----------------------------------------------------------------------
@@ -158,7 +162,10 @@ def see_facets(solid: Any, basis: Any, wedge: Any, index: float, work: Any) -> N
                 a, b, c = zero + wedge[w, 2], zero + wedge[w, 0], zero + wedge[w, 1]
             else:
                 a, b, c = beyond(zero + rim[r, 0], zero + rim[r, 1], zero, zero + rim[r, 2], beam)
+            whole, m = part, n
             part, n = keep_below(table, part, n, a, b, c)
+            if opens(table[whole], m, b, c):
+                work.sums[OPENS] += 1
         size = area(table[part], n)
         if n == 0 or real(size) < _NO_AREA:
             continue
@@ -174,15 +181,20 @@ def see_facets(solid: Any, basis: Any, wedge: Any, index: float, work: Any) -> N
 
 
 @jit_inner
-def _cell(which: int, count: int, n: int, candidates: Any, distances: Any, table: Any) -> Any:
+def _cell(
+    which: int, count: int, n: int, candidates: Any, distances: Any, table: Any, sums: Any
+) -> Any:  # fmt: skip
     """Cut the part out of a polygon at which one of the candidates is the nearest plane."""
     for k in range(n):
         table[0, k, 0], table[0, k, 1] = table[2, k, 0], table[2, k, 1]
     part, here = _FIRST, distances[candidates[which]]
-    for c in range(count):
-        if c != which and n:
-            there = distances[candidates[c]]
-            part, n = keep_below(table, part, n, here[0] - there[0], here[1] - there[1], here[2] - there[2])
+    for k in range(count):
+        if k != which and n:
+            there, whole, m = distances[candidates[k]], part, n
+            a, b, c = here[0] - there[0], here[1] - there[1], here[2] - there[2]
+            part, n = keep_below(table, part, n, a, b, c)
+            if opens(table[whole], m, b, c):
+                sums[OPENS] += 1
     return part, n
 
 
@@ -321,7 +333,7 @@ def follow_polygons(solid: Any, rules: Any, seen: float, limits: Any, work: Any)
             write_distance(planes[candidates[c]], beam, distances[candidates[c]])
         for c in range(count):
             i = candidates[c]
-            part, m = _cell(c, count, n, candidates, distances, table)
+            part, m = _cell(c, count, n, candidates, distances, table, work.sums)
             if m == 0:
                 continue
             met = moved(beam, distances[i])
@@ -425,7 +437,7 @@ def trace_polygons(
         work = with_room(work)
     corners, n = work.done.used
     facts, states = work.done.facts[:n], work.done.numbers[:n]
-    unaccounted, no_time, no_memory = (float(area) for area in work.sums)
+    unaccounted, no_time, no_memory, opening = work.sums.tolist()
     return Traced(
         corners=work.done.corners[:corners],
         ends=facts[:, 0],
@@ -439,4 +451,5 @@ def trace_polygons(
         unaccounted=unaccounted,
         no_time=no_time,
         no_memory=no_memory,
+        opens=opening > 0.0,
     )

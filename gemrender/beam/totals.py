@@ -54,7 +54,7 @@ class Side(NamedTuple):
     later : LaterCells or None
         Where all light is followed, what polygons leave of it.
     is_balanced : bool
-        Whether virtual facets and view grow alike.
+        Whether virtual facets and view grow alike, and none of no width opens.
     """
 
     totals: np.ndarray
@@ -172,7 +172,7 @@ def _side(
     convex: BeamStone, planes: np.ndarray, tally: Tally, whole: bool, least: float, walls_move: bool
 ) -> Side:
     traced, paths, unfolded = trace_planes(convex, planes, tally, whole, least, walls_move)
-    is_balanced = _is_balanced(traced, paths)
+    is_balanced = not traced.opens and _is_balanced(traced, paths)
     later = None
     if tally.follows_all and unfolded is not None:
         is_balanced = is_balanced and _is_light_balanced(paths, tally.model.index)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -11,11 +11,9 @@ import typer
 from gemrender.cli.output import say
 from gemrender.cli.stones import assumptions
 from gemrender.cli.values import choice_option, complete_files, material_option, number_option
-from gemrender.errors import InputError
 
 if TYPE_CHECKING:
     from gemrender.scene.photoreal import Gem
-    from gemrender.scene.setup import Setup as SetUp
 
 __all__ = [
     "SIZE",
@@ -27,7 +25,6 @@ __all__ = [
     "load_gems",
     "picture_size",
     "tell_assumptions",
-    "with_settings",
 ]
 
 GEMS = "Stones"
@@ -126,21 +123,6 @@ class SettingOptions:
             rich_help_panel=GEMS,
         ),
     ] = None
-
-
-def with_settings(setup: SetUp, options: SettingOptions) -> SetUp:
-    """Return a set-up with what the options say of settings and girdles.
-
-    Raises
-    ------
-    InputError
-        A metal without a setting, or a setting that the set-up has no place for.
-    """
-    of = {key: value for key, value in (("type", options.setting), ("metal", options.metal)) if value}
-    setting = replace(setup.setting, **of)
-    if options.metal and setting.type == "none":
-        raise InputError("is for a setting; give --setting too", key="metal", value=options.metal)
-    return replace(setup, setting=setting, girdle=options.girdle or setup.girdle)
 
 
 def load_gems(names: list[str], options: GemOptions) -> list[Gem]:

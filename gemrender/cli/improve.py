@@ -31,13 +31,13 @@ from gemrender.errors import InputError
 
 if TYPE_CHECKING:
     from gemrender.stone import Stone
-    from gemrender.sweep.improve import Improvement
-    from gemrender.sweep.pareto import Front
+    from gemrender.sweep.improve import Front, Improvement
     from gemrender.sweep.unknown import Unknown
 
 __all__ = ["improve"]
 
-#: Pixels a side of what checks answers (`gemrender.sweep.checks.CHECK_RESOLUTION`, heavier to import).
+#: Pixels a side of what checks answers (`CHECK_RESOLUTION` of `gemrender.sweep.improve.checks`, heavier to
+#: import).
 _CHECK_RESOLUTION = 256
 
 
@@ -135,13 +135,12 @@ def improve(
     """Improve a cut: search its parameters for a goal; several different answers, each a stone file."""
     from gemrender.report.files import file_stems, prepare_folder
     from gemrender.report.improve import improvement_records, improvement_tables, improvement_values
-    from gemrender.sweep.answers import SearchInterruptedError
-    from gemrender.sweep.checks import Check
-    from gemrender.sweep.goals import Goal
+    from gemrender.sweep.improve import SearchInterruptedError, pareto_front
     from gemrender.sweep.improve import improve as search_one
-    from gemrender.sweep.pareto import pareto_front
-    from gemrender.sweep.ranges import figure_name, ranges_of
-    from gemrender.sweep.sized import read_rough
+    from gemrender.sweep.improve.checks import Check
+    from gemrender.sweep.improve.goals import Goal
+    from gemrender.sweep.improve.ranges import figure_name, ranges_of
+    from gemrender.sweep.improve.sized import read_rough
     from gemrender.sweep.unknown import Cutting
 
     form = table.chosen
@@ -218,7 +217,7 @@ def _write_stones(found: Improvement | Front, first: Stone, folder: Path, stem: 
     from dataclasses import replace
 
     from gemrender.cuts.stone_file import save_stone_file
-    from gemrender.sweep.varied import angles_that_followed
+    from gemrender.sweep.improve.varied import angles_that_followed
 
     stones = [first]
     for number, answer in enumerate(found.answers, start=1):
@@ -243,7 +242,7 @@ def _write_page(
     from gemrender.report.page import MOST_STONES, write_report
     from gemrender.report.pareto import write_front_figure
     from gemrender.report.studied import study_stone
-    from gemrender.sweep.pareto import Front
+    from gemrender.sweep.improve import Front
 
     measures = tuple({of.name: of for goal in found.goals for of in goal.measures}.values())
     figure = None

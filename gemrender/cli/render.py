@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from gemrender.cli.gems import SIZE, GemOptions, SettingOptions, Setup, Size, tell_assumptions, with_settings
+from gemrender.cli.gems import SIZE, GemOptions, SettingOptions, Setup, Size, tell_assumptions
 from gemrender.cli.groups import command
 from gemrender.cli.options import ENGINE, Stones, output_option
 from gemrender.cli.output import output_file, progress_bar, say
@@ -171,7 +171,6 @@ def render(
     from gemrender.render.shots import prepare
     from gemrender.report.files import file_stems, prepare_folder
     from gemrender.scene.moves import Move
-    from gemrender.scene.setup import load_setup
     from gemrender.writing import check_place
 
     default = file_stems(stones)[0] + (".mp4" if frames else ".png")
@@ -181,10 +180,13 @@ def render(
         raise InputError("go into EXR pictures only", key="bins", value=bins)
     shot = prepare(
         stones,
-        with_settings(load_setup(setup), held),
+        setup,
         material=gem.material,
         carat=gem.carat,
         diameter=gem.diameter,
+        setting=held.setting,
+        metal=held.metal,
+        girdle=held.girdle,
         size=size,
         aspect=aspect,
         quality=quality,

@@ -16,7 +16,6 @@ from gemrender.cli.gems import (
     Size,
     load_gems,
     picture_size,
-    with_settings,
 )
 from gemrender.cli.groups import command
 from gemrender.cli.options import (
@@ -82,14 +81,14 @@ def scene(
         _scored(stones, out, trace_options(engine, model, view), gem.material)
         return
 
+    from gemrender.render.shots import held as held_in
     from gemrender.scene.setup import load_setup
 
     gems = load_gems(stones, gem)
+    around = held_in(load_setup(setup), setting=held.setting, metal=held.metal, girdle=held.girdle)
     if not _is_given(context, "variant"):
         variant = "llvm_ad_rgb" if stock else "llvm_ad_spectral"
-    _picture(
-        stones, gems, with_settings(load_setup(setup), held), out, variant, picture_size(size), spp, stock
-    )
+    _picture(stones, gems, around, out, variant, picture_size(size), spp, stock)
 
 
 def _is_given(context: typer.Context, key: str) -> bool:

@@ -8,6 +8,7 @@ Name                      Kind        What it is
 ``gem_zones``             emitter     light by zones of elevation above a viewer's horizon
 ``gem_primary``           integrator  follows principal rays, or all light from them
 ``gem_dielectric``        bsdf        smooth surface of a gem, with dispersion
+``gem_rough_conductor``   bsdf        rough metal that keeps its energy
 ``gem_path``              integrator  radiance of scenes with stones, for pictures
 ========================  ==========  ===================================================
 
@@ -27,7 +28,7 @@ import mitsuba as mi
 
 __all__ = ["register"]
 
-_MODULES = ("orthographic", "hemisphere", "zones", "primary", "dielectric", "path")
+_MODULES = ("orthographic", "hemisphere", "zones", "primary", "dielectric", "rough_conductor", "path")
 
 # The variant that the classes in the modules belong to now.
 _defined_for: str | None = None

@@ -117,7 +117,8 @@ class Caustics:
             Seed; of other ones rays are independent.
         splat : callable
             Called with the place in the film, (0, 0) to (1, 1), the wavelengths' values in units of `unit`,
-            and which of the rays count; once, while the kernel is made.
+            the surface that is seen there (a shape), and which of the rays count; once, while the kernel is
+            made.
         draw : callable
             Makes wavelengths of a number in [0, 1).
         """
@@ -187,7 +188,7 @@ class Caustics:
             shadow = si.spawn_ray(to_camera)
             shadow.maxt = distance * (1 - mi.math.ShadowEpsilon)
             sees &= ~scene.ray_test(shadow, sees)
-            splat(place, ray.wavelengths, counts, sees)
+            splat(place, ray.wavelengths, counts, si.shape, sees)
 
             # ---- On, off a surface ----
 

@@ -111,9 +111,11 @@ def render_film(
 
 
 def _fingerprint(*of: Any) -> str:
-    """Return a digest of all that a frame depends on."""
+    """Return a digest of all that a frame depends on, what is in the set-up's files too."""
     gems, setup, *others = of
-    digest = hashlib.sha256(repr((gemrender.__version__, setup, others)).encode())
+    files = [thing.mesh for thing in setup.things] + [setup.sky.image] * (setup.sky.type == "image")
+    held = [_digest(Path(file)) for file in files]
+    digest = hashlib.sha256(repr((gemrender.__version__, setup, held, others)).encode())
     for gem in gems:
         solid = gem.stone.solid
         for part in (solid.planes, solid.facet, *([] if gem.stone.is_convex else [solid.vertices])):

@@ -25,6 +25,9 @@ def render(
     material: str | float | None = None,
     carat: float | None = None,
     diameter: float | None = None,
+    setting: str | None = None,
+    metal: str | None = None,
+    girdle: str | None = None,
     size: int | str | Sequence[int] = 1024,
     aspect: str | Sequence[float] | None = None,
     quality: str | None = None,
@@ -68,6 +71,12 @@ def render(
         Material of all stones, by name or file, or a refractive index; by default each stone's own.
     carat, diameter : float, optional
         Weight of each stone [carat], or its girdle diameter or longer side [mm].
+    setting : {"none", "solitaire", "bezel", "pendant"}, optional
+        What holds each stone; by default what the set-up says.
+    metal : {"platinum", "gold", "silver"}, optional
+        Metal of the setting.
+    girdle : {"polished", "faceted", "bruted"}, optional
+        Finish of the stones' girdles.
     size : int, str or (int, int)
         Side of the picture, or width and height [pixels].
     aspect : str or (float, float), optional
@@ -128,6 +137,9 @@ def render(
         material=material,
         carat=carat,
         diameter=diameter,
+        setting=setting,
+        metal=metal,
+        girdle=girdle,
         size=size,
         aspect=aspect,
         quality=quality,

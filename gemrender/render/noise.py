@@ -13,6 +13,12 @@ def relative_error(a: np.ndarray, b: np.ndarray, samples: tuple[int, int]) -> fl
     The halves differ by their errors alone, which have variances as 1 / samples: with the shares w of the
     samples, the mean of w_a w_b (a - b)^2 is the variance of w_a a + w_b b.
 
+    So its square is right on average, however the errors are distributed. How far that of one picture is off
+    depends on the pixels that have most of the error, and no picture can tell of light that it has not found.
+    Of 16 x 16 pixels and 32 samples it scatters by a twentieth under a sky; in the set-up `studio`, where two
+    pixels of 88 have 60 % of the mean square, being a small light's glint in one sample of ten, by half,
+    from 0.2 to 1.2 for an error of 0.6. Of 64 x 64 pixels of that it scatters by a quarter.
+
     Parameters
     ----------
     a, b : (n,) array_like

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from gemrender.render.first_seen import Seen, kinds_of
 from gemrender.render.noise import relative_error
 from gemrender.render.traced import TracedFilm
 from gemrender.render.wavelengths import FIRST_NM, LAST_NM, drawing_table
@@ -47,7 +48,8 @@ class Passes:
     bins_nm : sequence of float, optional
         Edges of spectral bins, increasing [nm]; None for no spectrum.
     foreground : bool
-        Whether what is seen on stones is also summed up by itself; spectral bins are of it alone, then.
+        Whether what is seen on stones, settings and things is also summed up by itself; spectral bins are of
+        it alone, then.
     caustics : bool
         Whether light that stones throw on diffuse surfaces is traced from the lights (see
         `gemrender.plugins.caustics.Caustics`), where that can be; else it is found from the eye, by chance.
@@ -81,14 +83,15 @@ class Passes:
         self.width, self.height = (int(n) for n in self.sensor.film().size())
         self.bins_nm = None if bins_nm is None else np.asarray(bins_nm, dtype=np.float64)
         n_bins = 0 if self.bins_nm is None else len(self.bins_nm) - 1
-        #: X, Y, Z, albedo, normal (3 each), coverage; of stones alone X, Y, Z, normal, coverage; bins.
-        self._of_bins = slice(17 if foreground else 10, None)
+        #: X, Y, Z, albedo, normal (3 each), coverage; the same of stones and what stands
+        #: beside them alone; bins.
+        self._of_bins = slice(20 if foreground else 10, None)
         self._n_channels = self._of_bins.start + n_bins
-        self._is_stone, self._has_foreground = _stone_table(scene), foreground
+        self._kinds, self._has_foreground = kinds_of(scene), foreground
         self._halves = np.zeros((2, self.height * self.width, self._n_channels), dtype=np.float32)
         self._counts = [0, 0]
         self.unsound, self._unsound_of_pass = 0, 0
-        self._shows_stone: np.ndarray | None = None
+        self._shows: np.ndarray | None = None
         self._generator = load_scene({"type": "multijitter"})
         self._draw = drawing_table()
         self._turns = 0
@@ -103,7 +106,8 @@ class Passes:
                 height=self.height,
                 filter_radius=filter_radius,
                 draw=self._draw,
-                binned=self._binned if n_bins and not foreground else lambda *_: [],
+                binned=self._binned if n_bins else lambda *_: [],
+                kept=self._is_foreground if foreground else None,
             )
 
     # ---- Rendering ----
@@ -197,30 +201,41 @@ class Passes:
     @property
     def spectrum(self) -> np.ndarray:
         """Mean radiance in each bin, (h, w, bins) float32."""
-        return self._mean(self._of_bins)
+        bins = self._mean(self._of_bins)
+        if self._has_foreground:
+            bins[self._mean(slice(19, 20))[..., 0] == 0] = 0
+        return bins
 
     @property
-    def foreground(self) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-        """What is seen on stones: XYZ (h, w, 3), normal (h, w, 3), share of the pixel (h, w); float32.
+    def foreground(self) -> tuple[np.ndarray, ...] | None:
+        """What is seen on stones, settings and things: XYZ, albedo, normal and share of the pixel.
 
-        The values are means over all samples of a pixel, those beside the stones counting as 0. None if it
-        was not asked for.
+        (h, w, 3) and the last (h, w), float32. The values are means over all samples of a pixel, those that
+        meet something else counting as 0. None if it was not asked for.
         """
         if not self._has_foreground:
             return None
-        return self._mean(slice(10, 13)), self._mean(slice(13, 16)), self._mean(slice(16, 17))[..., 0]
+        xyz, albedo, normal = (self._mean(slice(first, first + 3)) for first in (10, 13, 16))
+        alpha = self._mean(slice(19, 20))[..., 0]
+        xyz[alpha == 0] = 0  # traced light may have met a sliver that no sample of the pixel did
+        return xyz, albedo, normal, alpha
+
+    @property
+    def shows(self) -> np.ndarray:
+        """What the middle of each pixel shows, (h, w) uint8 of `Seen`."""
+        if self._shows is None:
+            pixels = self.width * self.height
+            parts = [
+                self._tile_shows(first, min(_TILE_PIXELS, pixels - first))
+                for first in range(0, pixels, _TILE_PIXELS)
+            ]
+            self._shows = np.concatenate(parts)
+        return self._shows.reshape(self.height, self.width)
 
     @property
     def stone_pixels(self) -> np.ndarray:
         """Pixels whose middle shows a stone, (h, w) bool."""
-        if self._shows_stone is None:
-            pixels = self.width * self.height
-            parts = [
-                self._tile_shows_stone(first, min(_TILE_PIXELS, pixels - first))
-                for first in range(0, pixels, _TILE_PIXELS)
-            ]
-            self._shows_stone = np.concatenate(parts)
-        return self._shows_stone.reshape(self.height, self.width)
+        return np.asarray(self.shows == Seen.STONE)
 
     def noise(self) -> float:
         """Return the root mean square error of luminance by its mean, of the pixels that show stones.
@@ -292,8 +307,9 @@ class Passes:
         found = self._film.radiance(n, self._rays_sent[half], seed)
         out = np.zeros((found.shape[1], self._n_channels), dtype=np.float32)
         out[:, :3] = found[:3].T
-        if len(found) > 3:  # not of stones, which no ray is seen on
-            out[:, self._of_bins] = found[3:].T
+        if self._has_foreground:
+            out[:, 10:13], found = found[3:6].T, found[3:]
+        out[:, self._of_bins] = found[3:].T
         return out
 
     def _tile(self, first: int, n: int, spp: int, half: int) -> np.ndarray:
@@ -313,9 +329,10 @@ class Passes:
         radiance, xyz = dr.select(sound, radiance, 0), [dr.select(sound, x, 0) for x in xyz]
         channels = [*xyz, *aovs, dr.select(valid, mi.Float(1), 0)]
         if self._has_foreground:
-            on_stone = self._on_stone(ray)
-            channels += [dr.select(on_stone, value, 0) for value in (*xyz, *aovs[3:], mi.Float(1))]
-            radiance = dr.select(on_stone, radiance, 0)
+            found = self.scene.ray_intersect_preliminary(ray)
+            kept = self._is_foreground(found.shape, found.is_valid())
+            channels += [dr.select(kept, value, 0) for value in (*xyz, *aovs, mi.Float(1))]
+            radiance = dr.select(kept, radiance, 0)
         if self.bins_nm is not None:
             channels += self._binned(radiance, weight, nm)
         dr.eval(channels, sound)  # once for all: each sum would trace again
@@ -324,21 +341,25 @@ class Passes:
         dr.eval(sums)
         return np.stack([np.asarray(s) for s in sums], axis=1)
 
-    def _on_stone(self, ray: Any) -> Any:
-        """Return which camera rays meet a stone before anything else."""
+    def _kind(self, shape: Any, active: Any) -> Any:
+        """Return what shapes are, as `Seen`; 0 where they are none."""
         import drjit as dr
         import mitsuba as mi
 
-        found = self.scene.ray_intersect_preliminary(ray)
-        number = dr.reinterpret_array(mi.UInt32, found.shape)
-        return found.is_valid() & dr.gather(mi.Bool, self._is_stone, number, found.is_valid())
+        return dr.gather(mi.UInt32, self._kinds, dr.reinterpret_array(mi.UInt32, shape), active)
 
-    def _tile_shows_stone(self, first: int, n: int) -> np.ndarray:
+    def _is_foreground(self, shape: Any, active: Any = True) -> Any:
+        kind = self._kind(shape, active)
+        return (kind == int(Seen.STONE)) | (kind == int(Seen.BESIDE))
+
+    def _tile_shows(self, first: int, n: int) -> np.ndarray:
         import drjit as dr
         import mitsuba as mi
 
         pixel = dr.arange(mi.UInt32, n) + dr.opaque(mi.UInt32, first)
-        return np.asarray(self._on_stone(self._rays(pixel, [mi.Float(0.5)] * 5, mi.Spectrum(550.0))))
+        rays = self._rays(pixel, [mi.Float(0.5)] * 5, mi.Spectrum(550.0))
+        found = self.scene.ray_intersect_preliminary(rays)
+        return np.asarray(self._kind(found.shape, found.is_valid())).astype(np.uint8)
 
     def _binned(self, radiance: Any, weight: Any, nm: Any) -> list[Any]:
         import drjit as dr
@@ -366,18 +387,6 @@ class Passes:
         mean = dr.block_sum(value, spp) / spp
         spread = dr.block_sum(dr.square(value - dr.repeat(mean, spp)), spp) / (spp * max(spp - 1, 1))
         return np.stack([np.asarray(mean), np.sqrt(np.asarray(spread))])
-
-
-def _stone_table(scene: Any) -> Any:
-    """Return whether a shape is a stone, by the number that Dr.Jit knows it by."""
-    import drjit as dr
-    import mitsuba as mi
-
-    numbers = [int(dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape))[0]) for shape in scene.shapes()]
-    table = np.zeros(max(numbers, default=0) + 1, dtype=bool)
-    for number, shape in zip(numbers, scene.shapes(), strict=True):
-        table[number] = type(shape.bsdf()).__name__ == "GemDielectric"
-    return mi.Bool(table)
 
 
 def _stratified(spp: int) -> int:

@@ -160,8 +160,9 @@ def render(
     turn_deg, move, share : float, Move, float
         As for `photoreal_scene`.
     transparent : bool
-        Whether the stones are also kept by themselves, for a transparent background. Nothing else changes:
-        what stands around them lights them, and the picture's exposure and noise are those with it.
+        Whether the stones, their settings and things are also kept by themselves, for a transparent
+        background. Nothing else changes: ground, lights and sky light them, and the picture's exposure and
+        noise are those with it.
     variant : str
         Spectral Mitsuba variant; set, and left set.
     progress : callable, optional
@@ -214,6 +215,7 @@ def render(
             albedo=passes.albedo,
             normal=passes.normal,
             coverage=passes.coverage,
+            shows=passes.shows,
             spectrum=passes.spectrum,
             bins_nm=passes.bins_nm,
             samples=passes.samples,
@@ -297,8 +299,8 @@ def _end(
 def _foreground(passes: Passes) -> Foreground | None:
     if passes.foreground is None:
         return None
-    xyz, normal, alpha = passes.foreground
-    return Foreground(xyz=xyz, normal=normal, alpha=alpha)
+    xyz, albedo, normal, alpha = passes.foreground
+    return Foreground(xyz=xyz, albedo=albedo, normal=normal, alpha=alpha)
 
 
 def _check_sound(passes: Passes) -> None:

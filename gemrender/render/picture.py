@@ -22,22 +22,23 @@ _NO_SETUP = Setup(name="none", sky=Sky(radiance=1.0))
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Foreground:
-    """What a picture shows of stones alone, for a transparent background.
+    """What a picture shows of stones, their settings and things, for a transparent background.
 
     Values are premultiplied: a pixel half of which shows a stone has half the stone's light. What is seen
-    in and through the stones belongs to them; ground, lights and sky beside them do not.
+    in and through a stone, and in metal, belongs to it; ground, lights and sky beside it do not.
 
     Attributes
     ----------
     xyz : (h, w, 3) float32
         As of the picture.
-    normal : (h, w, 3) float32
-        Of the stones' first surface.
+    albedo, normal : (h, w, 3) float32
+        Of the first surface.
     alpha : (h, w) float32
-        Share of the pixel's samples that meet a stone before anything else.
+        Share of the pixel's samples that meet one of them before anything else.
     """
 
     xyz: np.ndarray
+    albedo: np.ndarray
     normal: np.ndarray
     alpha: np.ndarray
 
@@ -54,6 +55,8 @@ class Picture:
         Of the first surface.
     coverage : (h, w) float32
         Share of the pixel that shows a surface.
+    shows : (h, w) uint8
+        What the middle of the pixel shows, of `gemrender.render.first_seen.Seen`.
     spectrum : (h, w, bins) float32
         Mean radiance in each bin; where there is a foreground, its.
     bins_nm : (bins + 1,) float64 or None
@@ -71,7 +74,7 @@ class Picture:
     stopped : {"samples", "noise", "time", "interrupted"}
         Why it ended.
     foreground : Foreground or None
-        The stones alone, where the background is transparent.
+        Without ground, lights and sky, where the background is transparent.
     halves : (2, h, w) float32 or None
         Luminance by each of two independent halves of the samples; None of a single pass, and after a change.
     clamped : int
@@ -94,6 +97,7 @@ class Picture:
     albedo: np.ndarray
     normal: np.ndarray
     coverage: np.ndarray
+    shows: np.ndarray
     spectrum: np.ndarray
     bins_nm: np.ndarray | None
     samples: int
@@ -228,6 +232,7 @@ class Picture:
             places["wavelength"] = ("wavelength", middles, {"units": "nm"})
         if self.foreground is not None:
             arrays["foreground_xyz"] = (("y", "x", "tristimulus"), self.foreground.xyz)
+            arrays["foreground_albedo"] = (("y", "x", "rgb"), self.foreground.albedo)
             arrays["foreground_normal"] = (("y", "x", "axis"), self.foreground.normal)
             arrays["foreground_alpha"] = (("y", "x"), self.foreground.alpha)
         return library("xarray").Dataset(arrays, coords=places, attrs=self.metadata)

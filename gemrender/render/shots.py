@@ -15,6 +15,7 @@ import numpy as np
 
 from gemrender.cuts import load_stone
 from gemrender.errors import InputError
+from gemrender.optics.metals import METALS
 from gemrender.reading import did_you_mean
 from gemrender.render import photoreal
 from gemrender.render.curves import CURVES
@@ -25,13 +26,14 @@ from gemrender.render.picture import Picture
 from gemrender.render.quality import Ends, Quality, ends_of
 from gemrender.scene.moves import Move
 from gemrender.scene.photoreal import MOST_PIXELS, Gem
-from gemrender.scene.setup import Setup, load_setup
+from gemrender.scene.settings.setting import SETTINGS
+from gemrender.scene.setup import GIRDLES, Setup, load_setup
 from gemrender.stone import Stone
 
 if TYPE_CHECKING:
     from gemrender.render.from_python import Stones
 
-__all__ = ["MOST_BINS", "Shot", "picture_size", "prepare"]
+__all__ = ["MOST_BINS", "Shot", "held", "picture_size", "prepare"]
 
 #: Most spectral bins: of 2 nm.
 MOST_BINS = 200
@@ -175,6 +177,9 @@ def prepare(
     material: str | float | None = None,
     carat: float | None = None,
     diameter: float | None = None,
+    setting: str | None = None,
+    metal: str | None = None,
+    girdle: str | None = None,
     size: int | str | Sequence[int] = 1024,
     aspect: str | Sequence[float] | None = None,
     quality: str | None = None,
@@ -214,6 +219,7 @@ def prepare(
         diameter_mm=None if diameter is None else _number("diameter", diameter),
     )
     around = setup if isinstance(setup, Setup) else load_setup(_path("setup", setup))
+    around = held(around, setting=setting, metal=metal, girdle=girdle)
     bins_nm = _bins(bins, range)
     if abs(_number("exposure", exposure) + around.exposure) > EV_LIMIT:
         allowed = f"must be from {-EV_LIMIT:g} to {EV_LIMIT:g} with the set-up's own, {around.exposure:g}"
@@ -235,6 +241,30 @@ def prepare(
         curve=curve or around.curve,
         bins_nm=bins_nm,
     )
+
+
+def held(
+    setup: Setup, *, setting: str | None = None, metal: str | None = None, girdle: str | None = None
+) -> Setup:
+    """Return a set-up with another setting, metal of it, or finish of the girdles, where they are given.
+
+    Raises
+    ------
+    InputError
+        Another word, a metal without a setting, or a setting that the set-up has no place for.
+    """
+    given = {"setting": (setting, SETTINGS), "metal": (metal, tuple(METALS)), "girdle": (girdle, GIRDLES)}
+    for key, (value, allowed) in given.items():
+        if value is not None:
+            _word(key, value, allowed)
+    if setting is metal is girdle is None:
+        return setup
+    made = replace(setup.setting, type=setting or setup.setting.type, metal=metal or setup.setting.metal)
+    if metal and made.type == "none":
+        raise InputError("is for a setting; give one too, as solitaire", key="metal", value=metal)
+    if made.type != "none" and setup.pose == "table-down":
+        raise InputError("must be none where stones lie table-down", key="setting", value=made.type)
+    return replace(setup, setting=made, girdle=girdle or setup.girdle)
 
 
 def picture_size(size: int | str | Sequence[int], aspect: str | Sequence[float] | None) -> tuple[int, int]:

@@ -30,6 +30,9 @@ class TracedFilm:
     binned : callable
         Makes the values of spectral bins of radiance, weights and wavelengths: a list, empty where there are
         none.
+    kept : callable, optional
+        Tells of shapes whether they are the foreground: X, Y, Z of it are summed up too, and bins are of it
+        alone.
     """
 
     def __init__(
@@ -41,12 +44,15 @@ class TracedFilm:
         filter_radius: float,
         draw: Callable[..., Any],
         binned: Callable[..., list[Any]],
+        kept: Callable[[Any], Any] | None = None,
     ) -> None:
-        self._caustics, self._draw, self._binned = caustics, draw, binned
+        self._caustics, self._draw, self._binned, self._kept = caustics, draw, binned, kept
         self._width, self._height, self._radius = width, height, filter_radius
 
     def radiance(self, n: int, first: int, seed: int) -> np.ndarray:
-        """Return the mean radiance that n rays from the lights add, X, Y, Z and bins, (k, pixels) float64.
+        """Return the mean radiance that n rays from the lights add, (k, pixels) float64.
+
+        Channels are X, Y, Z; those of the foreground, where it is asked for; and bins.
 
         Parameters
         ----------
@@ -67,16 +73,22 @@ class TracedFilm:
             drawn[:] = weight, response
             return nm
 
-        def splat(place: Any, nm: Any, counts: Any, active: Any) -> None:
+        def splat(place: Any, nm: Any, counts: Any, shape: Any, active: Any) -> None:
             weight, response = drawn
             values = [c * w for c, w in zip(counts, weight, strict=True)]
             channels = [sum(v * r[k] for v, r in zip(values, response, strict=True)) for k in range(3)]
+            if self._kept is not None:
+                kept = self._kept(shape)
+                channels += [dr.select(kept, channel, 0) for channel in channels]
+                counts = dr.select(kept, counts, 0)
             channels += self._binned(counts, weight, nm)
             for pixel, share, shown in self._pixels(place, active):
                 for total, value in zip(sums, channels, strict=True):
                     dr.scatter_add(total, mi.UInt64(dr.maximum(value, 0) * share), pixel, shown)
 
-        n_channels = 3 + len(self._binned(mi.Spectrum(0), mi.Spectrum(0), mi.Spectrum(0)))
+        n_channels = (3 if self._kept is None else 6) + len(
+            self._binned(mi.Spectrum(0), mi.Spectrum(0), mi.Spectrum(0))
+        )
         sums += [dr.zeros(mi.UInt64, pixels) for _ in range(n_channels)]
         dr.eval(sums)
         for start in range(0, n, _AT_ONCE):

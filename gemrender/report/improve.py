@@ -10,11 +10,10 @@ from gemrender.report.formats import Column, TextTable
 from gemrender.report.page_sections import figure_section, tables_section
 from gemrender.report.pareto import front_words
 from gemrender.report.sensitivity import cliff_cells
-from gemrender.sweep.answers import Answer, Details
-from gemrender.sweep.checks import is_better
-from gemrender.sweep.goal_slopes import GoalSlope
-from gemrender.sweep.improve import Improvement
-from gemrender.sweep.pareto import Front
+from gemrender.sweep.improve import Answer, Front, Improvement
+from gemrender.sweep.improve.answers import Details
+from gemrender.sweep.improve.checks import is_better
+from gemrender.sweep.improve.goal_slopes import GoalSlope
 
 __all__ = [
     "goal_names",

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gemrender.report.lettering import name_fonts, save_png
-from gemrender.sweep.pareto import Front
+from gemrender.sweep.improve import Front
 from gemrender.writing import write_whole
 
 if TYPE_CHECKING:

@@ -69,16 +69,13 @@ def _opaque(
 ) -> dict[str, Any]:
     if material in METALS:
         metal = METALS[material]
-        rough = {"distribution": "ggx", "alpha": SATIN} if finish == "rough" else {}
-        kind = "roughconductor" if rough else "conductor"
+        rough = finish == "rough"
         if stock:  # the colour that it reflects straight back, as RGB variants know no spectra
-            return {
-                "type": kind,
-                "material": "none",
-                "specular_reflectance": _rgb(metal.reflectance(_NM)),
-                **rough,
-            }
-        return {"type": kind, "eta": _table(metal, metal.n), "k": _table(metal, metal.k), **rough}
+            kind = {"type": "roughconductor", "distribution": "ggx", "alpha": SATIN}
+            colour_of = {"material": "none", "specular_reflectance": _rgb(metal.reflectance(_NM))}
+            return (kind if rough else {"type": "conductor"}) | colour_of
+        kind = {"type": "gem_rough_conductor", "alpha": SATIN} if rough else {"type": "conductor"}
+        return kind | {"eta": _table(metal, metal.n), "k": _table(metal, metal.k)}
     if material == "skin":
         skin = np.interp(_NM, _SKIN_NM, _SKIN)
         return {

@@ -11,7 +11,7 @@ import numpy as np
 from gemrender.cuts.mesh_files import MESH_KINDS, MOST_BYTES, parse_mesh
 from gemrender.errors import InputError
 from gemrender.mistakes import Mistakes
-from gemrender.reading import located_at, read_bytes, section
+from gemrender.reading import bundled_folder, located_at, read_bytes, section
 from gemrender.scene import setup_checks as check
 from gemrender.scene.closed import closed_surface
 from gemrender.scene.smooth import PlainMesh, creased
@@ -110,7 +110,9 @@ def _thing(table: dict[str, Any], name: str, folder: Path, mistakes: Mistakes) -
         needed = {"mesh": "missing.ply", "material": MATERIALS[0]}
         thing = own.of(Thing, **needed | values)
         if thing is not None and "mesh" in table:
-            file = folder / thing.mesh
+            file, bundled = folder / thing.mesh, bundled_folder("setups")
+            if not file.is_file() and bundled is not None and (bundled / Path(thing.mesh).name).is_file():
+                file = bundled / Path(thing.mesh).name  # of a copy of a set-up that comes along
             if not file.is_file():
                 own.add(InputError("no such file", key="mesh", value=thing.mesh))
             thing = Thing(**needed | values | {"mesh": str(file)})

@@ -116,6 +116,7 @@ def _write(
         "gem_hemisphere": mi.ObjectType.Emitter,
         "gem_zones": mi.ObjectType.Emitter,
         "gem_dielectric": mi.ObjectType.BSDF,
+        "gem_rough_conductor": mi.ObjectType.BSDF,
     }
     for node in state.nodes:  # Mitsuba's writer does not know the kind of a Python plugin
         if node.props.plugin_name() in kinds:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import pickle
 import sys
@@ -14,6 +15,7 @@ from render_help import CHANNELS, read_exr, read_png
 import gemrender
 from gemrender.render import photoreal
 from gemrender.render.shots import picture_size
+from gemrender.scene.setup import Setup, Sky
 
 SETUP, OPTIONS = "hemisphere", {"size": 32, "spp": 8}
 
@@ -31,6 +33,58 @@ def test_it_is_what_the_command_writes(picture, render):
         saved = picture.save(f"python{suffix}")
         assert saved == Path(f"python{suffix}")
         assert saved.read_bytes() == Path(f"command{suffix}").read_bytes()
+
+
+def test_it_takes_what_the_command_takes():
+    """All options by their names, but those that are of films and of files alone."""
+    from typer.main import get_command
+
+    from gemrender.cli.program import app
+
+    command = get_command(app).commands["render"]
+    of_others = {"out", "frames", "fps", "move", "to", "help"}
+    named = {max(option.opts, key=len).removeprefix("--") for option in command.params}
+    options = named - of_others - {"stones"} | {"stone"}
+    taken = set(inspect.signature(gemrender.render).parameters)
+    assert taken == options | {"on_pass", "progress"}
+    assert of_others - {"out", "help"} < set(inspect.signature(gemrender.render_film).parameters)
+
+
+def test_a_setting_is_that_of_the_command(folder, render):
+    words = {"setting": "bezel", "metal": "gold", "girdle": "bruted"}
+    shown = gemrender.render("inoue-3", "window", **OPTIONS, **words)
+    render("inoue-3", "-o", "command.png", "--setup", "window", "--size", 32, "--spp", 8,
+           *(text for key, word in words.items() for text in (f"--{key}", word)))  # fmt: skip
+    assert shown.save("python.png").read_bytes() == Path("command.png").read_bytes()
+    assert (shown.setup.setting.type, shown.setup.setting.metal, shown.setup.girdle) == (*words.values(),)
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        ({"metal": "gold"}, "metal = 'gold': is for a setting; give one too, as solitaire"),
+        (
+            {"metal": "gold", "setting": "none"},
+            "metal = 'gold': is for a setting; give one too, as solitaire",
+        ),
+        ({"setting": "bezel", "setup": "hemisphere"}, "setting = 'bezel': must be none in a cup"),
+        (
+            {"setting": "bezel", "setup": "down"},
+            "setting = 'bezel': must be none where stones lie table-down",
+        ),
+    ],
+    ids=str,
+)
+def test_settings_that_cannot_be_are_refused_before_any_work(options, told, monkeypatch, folder):
+    monkeypatch.setattr(photoreal, "render", lambda *_, **__: pytest.fail("told before any work"))
+    if options.get("setup") == "down":
+        options = options | {"setup": Setup(name="down", pose="table-down", sky=Sky(radiance=1.0))}
+    with pytest.raises(gemrender.InputError) as caught:
+        gemrender.render("inoue-3", **options)
+    assert str(caught.value) == told
+    with pytest.raises(gemrender.InputError) as caught:
+        gemrender.render_film("inoue-3", "a.webp", frames=2, **options)
+    assert str(caught.value) == told
 
 
 def test_its_arrays_are_what_its_file_holds(picture, folder):
@@ -166,6 +220,9 @@ BAD_OPTIONS = {
     "exposure": (["bright", None], "must be a finite number"),
     "carat": (["heavy", True], "must be a finite number"),
     "diameter": (["wide", float("inf")], "must be a finite number"),
+    "setting": (["bezl", 3], "must be one of none, solitaire, bezel, pendant"),
+    "metal": (["lead", 3], "must be one of gold, silver, platinum"),
+    "girdle": (["rough", 3], "must be one of polished, faceted, bruted"),
     "bins": ([0, 201], "must be from 1 to 200"),
     "range": (["380", 5, None, (1, 2, 3)], "must be two wavelengths, as 380,760 [nm]"),
     "setup": ([3, None], "must be a name or a file"),

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from meshes import box, obj
 from observations import run_python
 from PIL import Image
 from render_help import (
@@ -97,6 +98,45 @@ def test_a_film_of_another_move_is_another_film(gemrender, folder, av, turns):
     status, _, err = gemrender(*on_ground, "--move", "rock")
     assert status == 2
     assert err.startswith("gemrender: x.mp4.frames: holds frames of another film; ")
+
+
+def write_sky(value):
+    import OpenEXR
+
+    plane = np.full((8, 16), value, np.float32)
+    planes = dict.fromkeys("RGB", plane)
+    OpenEXR.File({"type": OpenEXR.scanlineimage}, planes).write("sky.exr")
+
+
+CHANGED = {
+    "sky.exr": lambda: write_sky(2.0),
+    "box.obj": lambda: obj("box.obj", box(half=(1, 1, 1.5))),
+    "glass.toml": lambda: Path("glass.toml").write_text(GLASS.replace("1.6", "1.61")),
+}
+GLASS = "[index]\nwavelength_nm = [380, 760]\nn = [1.6, 1.5]\n"
+
+
+@pytest.mark.parametrize("changed", CHANGED)
+def test_a_film_whose_files_say_something_else_is_another_film(changed, gemrender, folder, av, turns):
+    write_sky(1.0)
+    obj("box.obj", box())
+    Path("glass.toml").write_text(GLASS)
+    thing = '[[thing]]\nmesh = "box.obj"\nmaterial = "paper"\nplace = [0, 5, 0]\n'
+    Path("around.toml").write_text(f'[sky]\ntype = "image"\nimage = "sky.exr"\n{thing}')
+    film = [*FILM, "--setup", "around.toml", "--material", "glass.toml"]
+    turns.at = 240
+    assert gemrender(*film)[0] == 130
+    before = {path: path.read_bytes() for path in Path("x.mp4.frames").iterdir()}
+    turns.at, again = None, Path(changed).read_bytes()
+    CHANGED[changed]()
+    status, _, err = gemrender(*film)
+    assert status == 2
+    assert err.startswith("gemrender: x.mp4.frames: holds frames of another film; ")
+    assert {path: path.read_bytes() for path in Path("x.mp4.frames").iterdir()} == before
+    Path(changed).write_bytes(again)
+    turns()
+    assert gemrender(*film)[0] == 0
+    assert turns() == [240]
 
 
 @pytest.fixture(scope="module")

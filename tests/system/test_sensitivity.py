@@ -170,7 +170,7 @@ def test_tiers_of_a_design(name):
             for by in (-TIER_STEP, 0.0, TIER_STEP)
         ]
         for score in ("average", "rear"):
-            # Where more than three facets meet in a corner the two sides differ, and one of them is told.
+            # Facets of files miss their meets by 1e-5: edges open within a step, and slopes follow.
             slopes = np.diff([getattr(side, score) for side in sides]) / TIER_STEP
             assert slopes.min() - TIER_QUOTIENT <= getattr(derivative, score) <= slopes.max() + TIER_QUOTIENT
             assert getattr(derivative, f"{score}_bound") == 0

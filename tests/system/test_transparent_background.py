@@ -4,21 +4,33 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from meshes import box, obj
 from PIL import Image
+from render_help import read_exr
 
 from gemrender.colorimetry import colour_matching, y_integral_nm
 from gemrender.cuts import load_stone
 from gemrender.render.backend import ensure_variant
+from gemrender.render.first_seen import Seen
 from gemrender.render.frames import render_film
 from gemrender.render.passes import Passes
 from gemrender.render.photoreal import make_gems, render
 from gemrender.scene.moves import Move
 from gemrender.scene.photoreal import photoreal_scene
-from gemrender.scene.setup import load_setup
+from gemrender.scene.setup import Camera, Ground, Light, Setting, Setup, Sky, Thing, load_setup
 
 SIZE, SPP = 24, 8
 #: Bins of 5 nm against the matching function within them.
 BINNED = 0.02
+#: Reflectance of white paper, of all wavelengths alike.
+WHITE = 0.8
+
+
+def whole(inside):
+    """Pixels that the foreground fills, as those beside them: traced light lands on slivers of ground."""
+    padded = np.pad(inside, 1)
+    h, w = inside.shape
+    return np.all([padded[i : i + h, j : j + w] for i in range(3) for j in range(3)], axis=0)
 
 
 def rendered(setup, **options):
@@ -42,11 +54,12 @@ def test_the_light_is_the_same(setup):
         np.testing.assert_array_equal(getattr(cut, name), getattr(plain, name), err_msg=name)
     assert cut.noise() == plain.noise()
     assert plain.foreground is None
-    xyz, normal, alpha = cut.foreground
-    inside = alpha == 1
+    xyz, albedo, normal, alpha = cut.foreground
+    inside = whole(alpha == 1)
     assert 0.1 < inside.mean() < 0.9
     np.testing.assert_array_equal(xyz[inside], plain.xyz[inside])
     np.testing.assert_array_equal(normal[inside], plain.normal[inside])
+    np.testing.assert_array_equal(albedo[inside], 1)
 
 
 @pytest.mark.parametrize("setup", ["studio", "white"])
@@ -61,6 +74,41 @@ def test_ground_and_lights_beside_the_stone_are_gone(setup):
     assert edge.any()
     # What the ground had of the edge is out of the sums
     assert (front.xyz[edge, 1] < cut.xyz[edge, 1]).mean() > 0.9
+
+
+@pytest.mark.parametrize("beside", ["setting", "thing"])
+def test_settings_and_things_stay(beside, tmp_path):
+    """As they are in the whole picture; ground and light are gone."""
+    if beside == "setting":
+        held = {"setting": Setting(type="solitaire", metal="gold")}
+    else:
+        mesh = obj(tmp_path / "box.obj", box())
+        paper = Thing(mesh=mesh, material="paper", colour=(WHITE,) * 3, scale=0.3, place=(1.3, -0.8, 0.3))
+        held = {"things": (paper,)}
+    setup = Setup(
+        name="beside",
+        camera=Camera(elevation=40.0),
+        lights=(Light(shape="disc", elevation=60.0, radiance=30.0),),
+        sky=Sky(radiance=1.0),
+        ground=Ground(type="plane", reflectance=0.3),
+        **held,
+    )
+    gems, size = make_gems([load_stone("inoue-3")]), 2 * SIZE
+    cut = render(gems, setup, width=size, height=size, spp=SPP, transparent=True)
+    front, shows = cut.foreground, cut.shows
+    for kind, least in ((Seen.STONE, 0.08), (Seen.BESIDE, 0.03), (Seen.GROUND, 0.3)):
+        assert (shows == kind).mean() > least
+    inside = whole(front.alpha == 1)
+    assert inside[shows == Seen.BESIDE].mean() > 0.2
+    for name in ("xyz", "albedo", "normal"):
+        np.testing.assert_array_equal(getattr(front, name)[inside], getattr(cut, name)[inside])
+    assert set(shows[front.alpha == 0]) == {Seen.GROUND}
+    assert front.xyz[front.alpha == 0].max() == 0
+
+    channels, _ = read_exr(cut.save(tmp_path / "a.exr"))
+    np.testing.assert_array_equal(channels["A"], front.alpha)
+    of_most = np.median(channels["albedo.R"][inside & (shows == Seen.BESIDE)])
+    assert of_most == pytest.approx(0.0 if beside == "setting" else WHITE)  # of metal none is diffuse
 
 
 def test_before_black_it_is_the_picture():

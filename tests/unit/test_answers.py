@@ -12,11 +12,11 @@ from gemrender.cli.program import app, run
 from gemrender.cuts import RoundBrilliant, load_stone
 from gemrender.errors import InputError
 from gemrender.stone import Stone
-from gemrender.sweep.answers import SearchInterruptedError
-from gemrender.sweep.checks import Check, is_better
 from gemrender.sweep.cliffs import find_cliffs
 from gemrender.sweep.improve import improve
-from gemrender.sweep.ranges import Range
+from gemrender.sweep.improve.answers import SearchInterruptedError
+from gemrender.sweep.improve.checks import Check, is_better
+from gemrender.sweep.improve.ranges import Range
 
 STONE = load_stone("gia-excellent")
 #: Two stones: a pavilion of 40.7, and one of 41.1.
@@ -90,7 +90,7 @@ def stop(*_):
 
 
 def test_ctrl_c_keeps_the_best_so_far(monkeypatch):
-    monkeypatch.setattr("gemrender.sweep.improve.finished", stop)
+    monkeypatch.setattr("gemrender.sweep.improve.run.finished", stop)
     with pytest.raises(SearchInterruptedError) as caught:
         improve(STONE, "inoue", TWO, rounds=1)
     found = caught.value.found
@@ -100,14 +100,14 @@ def test_ctrl_c_keeps_the_best_so_far(monkeypatch):
 
 
 def test_ctrl_c_before_the_first_stone_keeps_nothing(monkeypatch):
-    monkeypatch.setattr("gemrender.sweep.improve._evolve", stop)
+    monkeypatch.setattr("gemrender.sweep.improve.run._evolve", stop)
     with pytest.raises(KeyboardInterrupt) as caught:
         improve(STONE, "inoue", TWO)
     assert not isinstance(caught.value, SearchInterruptedError)
 
 
 def test_the_command_writes_what_ctrl_c_kept(monkeypatch, tmp_path, capsys):
-    monkeypatch.setattr("gemrender.sweep.improve.finished", stop)
+    monkeypatch.setattr("gemrender.sweep.improve.run.finished", stop)
     options = ["--goal", "inoue", "--vary", "pavilion_angle=40.7:41.1:0.2", "--rounds", "1", "--json"]
     assert run(["improve", "gia-excellent", *options, "-o", str(tmp_path)]) == 130
     printed = capsys.readouterr()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache
 from pathlib import Path
 
@@ -59,110 +59,160 @@ def part_of(path: Path) -> str:
 
 
 @cache
-def parsed(path: Path) -> ast.Module:
-    return ast.parse(path.read_text(encoding="utf-8"), str(path))
+def nodes(path: Path) -> tuple[ast.AST, ...]:
+    return tuple(ast.walk(ast.parse(path.read_text(encoding="utf-8"), str(path))))
 
 
-def imports(tree: ast.AST) -> Iterator[str]:
+@cache
+def imported(path: Path) -> tuple[str, ...]:
+    return tuple(imports(nodes(path)))
+
+
+def imports(nodes: Iterable[ast.AST]) -> Iterator[str]:
     """Yield the full name of every module or member that is imported, wherever in the file."""
-    for node in ast.walk(tree):
+    for node in nodes:
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, "imports are absolute"
             yield from (f"{node.module}.{alias.name}" for alias in node.names)
-        elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith("import_module"):
+        elif isinstance(node, ast.Call) and named(node.func, "import_module"):
             name = node.args[0]
             if isinstance(name, ast.Constant):
                 yield str(name.value)
 
 
-def is_mitsuba(node: ast.expr, member: str = "") -> bool:
-    """Whether an expression is a member of Mitsuba's module."""
-    return isinstance(node, ast.Attribute) and ast.unparse(node).startswith(
-        (f"mi.{member}", f"mitsuba.{member}")
-    )
+def named(node: ast.expr, name: str) -> bool:
+    """Whether an expression is a name, or a member of that name."""
+    return getattr(node, "id", None) == name or getattr(node, "attr", None) == name
 
 
-@pytest.fixture(params=MODULES, ids=lambda path: path.relative_to(PACKAGE).as_posix())
-def module(request):
-    return request.param
+def is_mitsuba(node: ast.AST, member: str = "") -> bool:
+    """Whether an expression is a member of Mitsuba's module, or a member of such a one."""
+    while isinstance(node, ast.Attribute | ast.Call):
+        last, node = node, node.func if isinstance(node, ast.Call) else node.value
+        if isinstance(node, ast.Name) and isinstance(last, ast.Attribute):
+            return node.id in ("mi", "mitsuba") and last.attr.startswith(member)
+    return False
 
 
-def test_every_module_belongs_to_a_part(module):
-    assert part_of(module) in RANK, "not in the design: give it a place in LAYERS, and in design.md"
+def check_all(rule: Callable[[Path], Iterator[str]], modules: Sequence[Path] = MODULES) -> None:
+    """Hold every module against a rule, which yields what breaks it; all that do are told at once."""
+    assert len(modules) > 100  # the walk finds them
+    broken = [f"{path.relative_to(PACKAGE).as_posix()}: {what}" for path in modules for what in rule(path)]
+    assert not broken, "\n".join(broken)
 
 
-def test_imports_go_upwards(module):
-    part = part_of(module)
-    for name in imports(parsed(module)):
-        above = name.split(".")[1] if name.startswith("gemrender.") else part
-        if above in (part, "__version__"):
-            continue
-        assert RANK[above] < RANK[part], f"{part} must not import {name}"
+def in_other_parts_than(part: str) -> list[Path]:
+    return [path for path in MODULES if part_of(path) != part]
 
 
-def test_the_face_is_asked_for_its_version_only(module):
+def test_every_module_belongs_to_a_part():
+    unknown = {part_of(path) for path in MODULES} - set(RANK)
+    assert not unknown, "not in the design: give it a place in LAYERS, and in design.md"
+
+
+def test_imports_go_upwards():
+    def rule(path):
+        part = part_of(path)
+        for name in imported(path):
+            above = name.split(".")[1] if name.startswith("gemrender.") else part
+            if above not in (part, "__version__") and not RANK[above] < RANK[part]:
+                yield f"{part} must not import {name}"
+
+    check_all(rule)
+
+
+def test_no_study_imports_from_a_package_of_studies():
+    """Atlases and the search for better stones rest on the other files of `sweep`, not on each other."""
+    inner = {f"gemrender.sweep.{path.parent.name}" for path in (PACKAGE / "sweep").glob("*/__init__.py")}
+    assert inner == {"gemrender.sweep.atlas", "gemrender.sweep.improve"}
+
+    def rule(path):
+        others = inner - {f"gemrender.sweep.{path.parent.name}"}
+        for name in imported(path) if part_of(path) == "sweep" else ():
+            if ".".join(name.split(".")[:3]) in others:
+                yield f"must not import {name}"
+
+    check_all(rule)
+
+
+def test_the_face_is_asked_for_its_version_only():
     """From inside, `import gemrender` would be a way back."""
-    if module.name == "__main__.py":
-        return
-    tree = parsed(module)
-    if "gemrender" not in imports(tree):
-        return
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Attribute) and ast.unparse(node.value) == "gemrender":
-            assert node.attr == "__version__"
+
+    def rule(path):
+        if "gemrender" not in imported(path):
+            return
+        for node in nodes(path):
+            if (
+                isinstance(node, ast.Attribute)
+                and node.attr != "__version__"
+                and named(node.value, "gemrender")
+            ):
+                yield f"line {node.lineno}"
+
+    check_all(rule, [path for path in MODULES if path.name != "__main__.py"])
 
 
-def test_libraries_are_those_of_the_part(module):
-    part = part_of(module)
-    for name in imports(parsed(module)):
-        root = name.split(".")[0]
-        if root not in sys.stdlib_module_names and root != "gemrender":
-            assert root in LIBRARIES[part], f"{part} must not import {root}"
+def test_libraries_are_those_of_the_part():
+    def rule(path):
+        part = part_of(path)
+        for name in imported(path):
+            root = name.split(".")[0]
+            if root not in sys.stdlib_module_names and root != "gemrender" and root not in LIBRARIES[part]:
+                yield f"{part} must not import {root}"
+
+    check_all(rule)
 
 
-def test_classes_are_derived_from_mitsuba_in_plugins_only(module):
-    if part_of(module) == "plugins":
-        return
-    for node in ast.walk(parsed(module)):
-        if isinstance(node, ast.ClassDef):
-            assert not any(is_mitsuba(base) for base in node.bases), node.name
+def test_classes_are_derived_from_mitsuba_in_plugins_only():
+    def rule(path):
+        for node in nodes(path):
+            if isinstance(node, ast.ClassDef) and any(is_mitsuba(base) for base in node.bases):
+                yield node.name
+
+    check_all(rule, in_other_parts_than("plugins"))
 
 
-def test_meshes_are_made_in_one_file_only(module):
-    if module == PACKAGE / "scene" / "mesh.py":
-        return
-    for node in ast.walk(parsed(module)):
-        assert not (isinstance(node, ast.expr) and is_mitsuba(node, "Mesh")), f"line {node.lineno}"
+@pytest.mark.parametrize(
+    ("member", "file"),
+    [
+        ("Mesh", "scene/mesh.py"),
+        ("load_", "scene/loading.py"),  # which keeps their order
+    ],
+)
+def test_meshes_are_made_and_scenes_loaded_in_one_file_only(member, file):
+    def rule(path):
+        for node in nodes(path):
+            if isinstance(node, ast.expr) and is_mitsuba(node, member):
+                yield f"line {node.lineno}"
+
+    assert list(rule(PACKAGE / file)), "the file itself does"
+    check_all(rule, [path for path in MODULES if path != PACKAGE / file])
 
 
-def test_scenes_are_loaded_in_one_file_only(module):
-    """Which keeps their order: `scene/loading.py`."""
-    if module == PACKAGE / "scene" / "loading.py":
-        return
-    for node in ast.walk(parsed(module)):
-        assert not (isinstance(node, ast.expr) and is_mitsuba(node, "load_")), f"line {node.lineno}"
-
-
-def test_plugins_are_reached_by_name_only(module):
+def test_plugins_are_reached_by_name_only():
     """A plugin's class imported from its module is soon that of another variant."""
-    if part_of(module) == "plugins":
-        return
     plugins = {f"gemrender.plugins.{path.stem}" for path in (PACKAGE / "plugins").glob("[!_]*.py")}
-    assert not plugins & {
-        name for full in imports(parsed(module)) for name in (full, full.rpartition(".")[0])
-    }
+
+    def rule(path):
+        for full in imported(path):
+            yield from plugins & {full, full.rpartition(".")[0]}
+
+    check_all(rule, in_other_parts_than("plugins"))
 
 
-def test_modules_that_name_mitsuba_put_off_their_annotations(module):
-    tree = parsed(module)
-    if any(name.split(".")[0] == "mitsuba" for name in imports(tree)):
-        assert "__future__.annotations" in imports(tree)
+def test_modules_that_name_mitsuba_put_off_their_annotations():
+    def rule(path):
+        names = set(imported(path))
+        if any(name.split(".")[0] == "mitsuba" for name in names) and "__future__.annotations" not in names:
+            yield "from __future__ import annotations"
+
+    check_all(rule)
 
 
 def test_the_walk_sees_imports_wherever_they_are():
     source = (
         "def f():\n if x:\n  import matplotlib.pyplot\n  importlib.import_module('drjit')\nfrom a.b import c"
     )
-    assert set(imports(ast.parse(source))) == {"matplotlib.pyplot", "drjit", "a.b.c"}
+    assert set(imports(ast.walk(ast.parse(source)))) == {"matplotlib.pyplot", "drjit", "a.b.c"}

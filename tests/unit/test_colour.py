@@ -1,16 +1,12 @@
-"""Colours of photoreal pictures: closed forms of colorimetry first, then exposure, gamut and files."""
+"""Colours of photoreal pictures: closed forms of colorimetry."""
 
 from __future__ import annotations
 
-import tracemalloc
-
 import colour
 import numpy as np
-import OpenEXR
 import pytest
-from matplotlib.image import imread
+from refusals import refused
 
-import gemrender
 from gemrender.colorimetry import (
     VISIBLE_NM,
     adapt,
@@ -20,22 +16,13 @@ from gemrender.colorimetry import (
     colour_xyz,
     illuminant_names,
     illuminant_spectrum,
-    luminance_weights,
     white_xyz,
     xyz_to_linear_srgb,
     y_integral_nm,
 )
-from gemrender.errors import InputError
 from gemrender.render.develop import (
-    CURVES,
-    MID_GREY,
-    auto_exposure,
-    develop,
-    encode_srgb,
-    filmic_gain,
     fit_gamut,
 )
-from gemrender.render.picture_files import SPECTRAL_ATTRIBUTES, spectral_channel, write_exr, write_png
 
 #: Rows of the observer's table [nm].
 ROWS_NM = np.arange(360.0, 831.0)
@@ -46,21 +33,6 @@ D65_XYZ = (0.9505, 1.0, 1.0891)
 
 def xy(xyz):
     return np.asarray(xyz)[:2] / np.sum(xyz)
-
-
-def spectral_colours():
-    """Return XYZ of single wavelengths, 1 nm apart (331, 3), the strongest fire there can be."""
-    return colour_matching(np.arange(390.0, 721.0))
-
-
-def refused(call, *parts):
-    """See that a call is refused in one line that has these parts."""
-    with pytest.raises(InputError) as caught:
-        call()
-    line = str(caught.value)
-    assert "\n" not in line
-    for part in parts:
-        assert part in line
 
 
 # ---- Spectra -------------------------------------------------------------------------------------------
@@ -247,302 +219,3 @@ def test_whites_that_no_light_has_are_refused(white):
 @pytest.mark.parametrize("image", [1.0, np.ones((4, 4)), np.ones((4, 3), dtype=complex), np.array(["a"] * 3)])
 def test_no_images_are_refused(image):
     refused(lambda: xyz_to_linear_srgb(image), "xyz.")
-
-
-# ---- Encoding, gamut and curve -------------------------------------------------------------------------
-
-
-def test_encoding_is_that_of_colour_science():
-    linear = np.linspace(0, 1, 1001)
-    encoded = encode_srgb(linear)
-    np.testing.assert_allclose(encoded, colour.cctf_encoding(linear, function="sRGB"), atol=1e-12)
-    # The standard's two branches meet to 1e-7 or so only.
-    np.testing.assert_allclose(colour.cctf_decoding(encoded, function="sRGB"), linear, atol=1e-6)
-    np.testing.assert_allclose(encode_srgb([-1, 2]), [0, 1], atol=1e-15)
-
-
-@pytest.mark.parametrize("scale", [0.01, 0.3, 1, 3, 100])
-@pytest.mark.parametrize("kind", [np.float32, np.float64])
-def test_gamut_keeps_luminance_and_hue(scale, kind):
-    spectral = scale * xyz_to_linear_srgb(spectral_colours()).astype(kind)
-    assert spectral.min() < 0
-    fitted = fit_gamut(spectral)
-    assert fitted.min() >= 0
-    assert fitted.max() <= 1
-    weights = luminance_weights()
-    before, after = spectral @ weights, fitted @ weights
-    np.testing.assert_allclose(after, np.clip(before, 0, 1), atol=2e-6)
-    # Hue: the chroma after is the chroma before times one positive number.
-    chroma, left = spectral - before[:, None], fitted - after[:, None]
-    shown = (before > 1e-3) & (before < 0.99)
-    kept = np.sum(left * chroma, axis=1) / np.sum(chroma**2, axis=1)
-    assert kept[shown].min(initial=1) > 0
-    np.testing.assert_allclose(left[shown], (kept[:, None] * chroma)[shown], atol=2e-5)
-
-
-def test_gamut_takes_no_more_than_it_needs():
-    spectral = 0.3 * xyz_to_linear_srgb(spectral_colours())
-    fitted = fit_gamut(spectral)
-    at_edge = np.minimum(np.abs(fitted).min(axis=1), np.abs(1 - fitted).min(axis=1))
-    np.testing.assert_allclose(at_edge, 0, atol=1e-12)
-    inside = np.array([[0.2, 0.5, 0.9], [0, 0, 0], [1, 1, 1], [1, 0, 0]])
-    np.testing.assert_allclose(fit_gamut(inside), inside, atol=1e-15)
-
-
-def test_gamut_blows_out_to_white():
-    blue = np.array([0.1, 0.1, 1.0]) * 2.0 ** np.arange(-1, 12)[:, None]
-    fitted = fit_gamut(blue)
-    assert (np.diff(fitted[:, 0]) >= 0).all()
-    np.testing.assert_array_equal(fitted[:, 0], fitted[:, 1])
-    np.testing.assert_array_equal(fitted[-1], 1)
-    np.testing.assert_array_equal(fit_gamut([1e30, -1e29, 3e30]), 1)
-    np.testing.assert_array_equal(fit_gamut([0.1, -1, 0.1]), 0)
-
-
-def test_filmic_curve_keeps_mid_grey_and_rises():
-    luminance = np.geomspace(1e-6, 9, 500)
-    curve = luminance * filmic_gain(luminance)
-    assert MID_GREY * filmic_gain(MID_GREY) == pytest.approx(MID_GREY, rel=1e-12)
-    assert (np.diff(curve) > 0).all()
-    assert 10 * filmic_gain(10) < 1 < 10.02 * filmic_gain(10.02)
-    assert filmic_gain(1.0) == pytest.approx(0.726, abs=1e-3)
-    assert np.isfinite(filmic_gain([0, -1, 1e30])).all()
-
-
-# ---- Exposure ------------------------------------------------------------------------------------------
-
-
-def stone_on_black(rng, size=200, rim=0):
-    """Return luminances of a stone, and the mask of it, on a black background."""
-    mask = np.zeros((size + 2 * rim, size + 2 * rim), dtype=bool)
-    mask[rim : rim + size, rim : rim + size] = True
-    luminance = np.zeros(mask.shape)
-    luminance[mask] = rng.beta(1, 3, mask.sum())
-    return luminance, mask
-
-
-def test_exposure_brings_the_lights_to_just_below_one(rng):
-    luminance, mask = stone_on_black(rng)
-    factor = auto_exposure(luminance, mask)
-    assert 0.97 < np.mean(factor * luminance[mask] < 1) < 1
-    assert auto_exposure(10 * luminance, mask) == pytest.approx(factor / 10)
-    assert auto_exposure(np.ones((9, 9))) == pytest.approx(0.9)
-
-
-def test_exposure_ignores_fireflies(rng):
-    luminance, mask = stone_on_black(rng)
-    factor = auto_exposure(luminance, mask)
-    flies = rng.choice(luminance.size, luminance.size // 1000, replace=False)
-    for value in (1e3, 1e30, np.inf, np.nan):
-        spotted = luminance.copy()
-        spotted.flat[flies] = value
-        assert auto_exposure(spotted, mask) == pytest.approx(factor, rel=0.02)
-        assert auto_exposure(spotted) == pytest.approx(factor, rel=0.02)
-
-
-def test_exposure_ignores_the_background():
-    small = stone_on_black(np.random.default_rng(1))
-    large = stone_on_black(np.random.default_rng(1), rim=400)
-    assert auto_exposure(*large) == auto_exposure(*small)
-    assert auto_exposure(large[0]) == auto_exposure(small[0])
-    assert auto_exposure(large[0] + 5 * ~large[1], large[1]) == auto_exposure(*small)
-
-
-def test_exposure_is_corrected_in_stops(rng):
-    luminance, mask = stone_on_black(rng)
-    assert auto_exposure(luminance, mask, ev=-1.5) == pytest.approx(auto_exposure(luminance, mask) * 2**-1.5)
-
-
-def test_exposure_of_a_black_picture_is_one():
-    black = np.zeros((4, 4))
-    assert auto_exposure(black) == auto_exposure(black, black == 0) == auto_exposure(black, black > 0) == 1
-    spot = np.zeros((20, 20))
-    spot[3, 3] = 2
-    assert auto_exposure(spot, spot >= 0) == pytest.approx(0.45)
-
-
-def test_bad_exposures_are_refused():
-    for ev in (np.nan, 21, "1", None, True):
-        refused(lambda ev=ev: auto_exposure(np.ones((2, 2)), ev=ev), "ev = ", "-20 to 20 [EV]")
-    refused(lambda: auto_exposure(np.ones((2, 2)), np.ones((3, 2))), "mask.shape = (3, 2)", "(2, 2)")
-
-
-# ---- The whole chain -----------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("light", ["d65", "a", "led-b3", 2000])
-@pytest.mark.parametrize("curve", CURVES)
-def test_greys_under_any_light_come_out_grey(light, curve):
-    white = white_xyz(light)
-    greys = np.geomspace(1e-3, 20, 64)
-    picture = develop(greys.reshape(8, 8, 1) * white, white_xyz=white, exposure=1.0, curve=curve)
-    assert picture.dtype == np.uint8
-    assert picture.shape == (8, 8, 3)
-    np.testing.assert_array_equal(picture, picture[..., :1].repeat(3, axis=2))
-    assert (np.diff(picture[..., 0].ravel().astype(int)) >= 0).all()
-    assert picture[-1, -1, 0] == 255
-
-
-def test_mid_grey_is_developed_alike_by_all_curves_but_neutral():
-    white = white_xyz("d50")
-    for curve in set(CURVES) - {"neutral"}:
-        picture = develop([[0.09 * white]], white_xyz=white, exposure=2.0, curve=curve)
-        np.testing.assert_array_equal(picture, round(255 * float(encode_srgb(MID_GREY))))
-
-
-def test_developing_is_the_chain_of_its_steps(rng):
-    white = white_xyz("a")
-    xyz = rng.uniform(0, 1, (300, 500, 3)).astype(np.float32)  # more than one block
-    linear = 1.7 * xyz_to_linear_srgb(adapt(xyz.astype(float), white))
-    np.testing.assert_array_equal(
-        develop(xyz, white_xyz=white, exposure=1.7, curve="linear"),
-        np.rint(255 * encode_srgb(fit_gamut(linear))),
-    )
-
-
-def test_pixels_that_are_not_finite_come_out_black():
-    xyz = np.full((2, 2, 3), np.float32(0.5))
-    xyz[0, 0, 1], xyz[0, 1, 2], xyz[1, 0, 0] = np.nan, np.inf, 3e38
-    picture = develop(xyz, white_xyz=D65_XYZ, exposure=1.0, curve="filmic")
-    np.testing.assert_array_equal(picture[0], 0)
-    assert picture[1, 1].min() > 0
-
-
-def test_developing_needs_little_memory():
-    xyz = np.ones((512, 1024, 3), dtype=np.float32)
-    develop(xyz[:1], white_xyz=D65_XYZ, exposure=1.0)
-    tracemalloc.start()
-    try:
-        develop(xyz, white_xyz=D65_XYZ, exposure=1.0, curve="filmic")
-        assert tracemalloc.get_traced_memory()[1] < 40e6
-    finally:
-        tracemalloc.stop()
-
-
-def test_bad_developing_is_refused():
-    xyz = np.ones((2, 2, 3))
-
-    def call(image=xyz, **changed):
-        settings = {"white_xyz": D65_XYZ, "exposure": 1.0, "curve": "linear"} | changed
-        return lambda: develop(image, **settings)
-
-    refused(call(curve="log"), "curve = 'log'", "linear, filmic, contrast, neutral, agx")
-    refused(call(white_xyz=(0, 0, 0)), "white = (0, 0, 0)")
-    for exposure in (0, -1, np.nan, np.inf, "1"):
-        refused(call(exposure=exposure), "exposure = ", "must be a number")
-    refused(call(np.ones((2, 3))), "xyz.shape = (2, 3)", "(h, w, 3)")
-    refused(call(np.ones((2, 3, 4))), "xyz.shape = (2, 3, 4)")
-
-
-# ---- Files ---------------------------------------------------------------------------------------------
-
-
-def test_exr_reads_back_bit_equal(rng, tmp_path):
-    names = ["R", "G", "B", "X", "Y", "Z", "albedo.R", "normal.X", *map(spectral_channel, (450, 512.5))]
-    written = {name: rng.normal(size=(5, 9)).astype(np.float32) for name in names}
-    written["R"][0, :3] = np.nan, np.inf, -0.0
-    attributes = {"stone": "Größe", "exposure": 1.5, "samples": 64, **SPECTRAL_ATTRIBUTES}
-    assert write_exr(tmp_path / "a.exr", written, attributes) == tmp_path / "a.exr"
-    file = OpenEXR.File(str(tmp_path / "a.exr"), separate_channels=True)
-    assert set(file.channels()) == set(names)
-    for name, values in written.items():
-        pixels = file.channels()[name].pixels
-        assert pixels.dtype == np.float32
-        np.testing.assert_array_equal(pixels.view(np.uint32), values.view(np.uint32))
-    header = file.header()
-    assert {name: header[name] for name in attributes} == attributes
-    assert header["gemrender.version"] == gemrender.__version__
-
-
-def test_exr_takes_views_and_other_types(tmp_path):
-    image = np.arange(24.0).reshape(2, 4, 3)
-    write_exr(tmp_path / "a.exr", {"R": image[..., 0], "hit": image[..., 1] > 7, "big": image[..., 2] * 1e40})
-    read = OpenEXR.File(str(tmp_path / "a.exr"), separate_channels=True).channels()
-    np.testing.assert_array_equal(read["R"].pixels, image[..., 0])
-    np.testing.assert_array_equal(read["hit"].pixels, image[..., 1] > 7)
-    np.testing.assert_array_equal(read["big"].pixels, np.inf)
-
-
-def test_spectral_channels_are_named_by_the_layout():
-    assert spectral_channel(550) == "S0.550,000000nm"
-    assert spectral_channel(412.5) == "S0.412,500000nm"
-
-
-@pytest.mark.parametrize("shape", [(6, 5, 3), (1, 1, 3), (3, 1, 3), (1, 4, 3)])
-def test_png_reads_back_equal(rng, tmp_path, shape):
-    picture = rng.integers(0, 256, shape, dtype=np.uint8)
-    assert write_png(tmp_path / "a.png", picture) == tmp_path / "a.png"
-    np.testing.assert_array_equal(np.rint(255 * imread(tmp_path / "a.png")), picture)
-
-
-def test_png_tells_what_it_is(tmp_path):
-    image = pytest.importorskip("PIL.Image")
-    texts = {"Title": "Größe 3 日本", "Comment": ""}
-    write_png(tmp_path / "a.png", np.zeros((2, 2, 3), np.uint8)[:, ::-1], texts)
-    with image.open(tmp_path / "a.png") as opened:
-        opened.load()
-        assert opened.text == {"Software": f"gemrender {gemrender.__version__}"} | texts
-        assert opened.info["srgb"] == 0
-        assert opened.mode == "RGB"
-
-
-def test_bad_channels_are_refused(tmp_path):
-    plane = np.zeros((2, 3))
-    for channels, part in [
-        ({}, "channels = {}"),
-        ({"": plane}, "channel = ''"),
-        ({"a\0": plane}, "channel"),
-        ({"R": plane, "G": plane.T}, "G.shape = (3, 2)"),
-        ({"R": plane[0]}, "R.shape = (3,)"),
-        ({"R": plane[:0]}, "R.shape = (0, 3)"),
-        ({"R": plane * 1j}, "R.dtype = 'complex128'"),
-    ]:
-        refused(lambda channels=channels: write_exr(tmp_path / "a.exr", channels), "a.exr: ", part)
-    for attributes, part in [
-        ({"version": "1"}, "attribute = 'version'"),
-        ({"": "1"}, "attribute = ''"),
-        ({"x": [1]}, "x = [1]"),
-        ({"x": None}, "x = None"),
-    ]:
-        refused(lambda attributes=attributes: write_exr(tmp_path / "a.exr", {"R": plane}, attributes), part)
-    assert not list(tmp_path.iterdir())
-
-
-def test_bad_pictures_are_refused(tmp_path):
-    picture = np.zeros((2, 2, 3), np.uint8)
-    for bad in (picture.astype(float), picture[0], picture[..., :2], picture[:0]):
-        refused(lambda bad=bad: write_png(tmp_path / "a.png", bad), "rgb8 = ", "(h, w, 3) of uint8")
-    for keyword in ("", " a", "a ", "a  b", "x" * 80, "日本", "a\nb"):
-        refused(lambda keyword=keyword: write_png(tmp_path / "a.png", picture, {keyword: "a"}), "text = ")
-    for text in ("a\0b", "\ud800", 1):
-        refused(lambda text=text: write_png(tmp_path / "a.png", picture, {"Title": text}), "Title = ")
-    assert not list(tmp_path.iterdir())
-
-
-WRITERS = [
-    ("a.exr", lambda path: write_exr(path, {"R": np.zeros((2, 2))})),
-    ("a.png", lambda path: write_png(path, np.zeros((2, 2, 3), np.uint8))),
-]
-
-
-@pytest.mark.parametrize(("name", "write"), WRITERS)
-def test_places_that_cannot_be_written_are_refused(tmp_path, name, write):
-    refused(lambda: write(tmp_path / "none" / name), "none: cannot be written: No such file")
-    refused(lambda: write(""), "path = ''", "name of a file")
-    (tmp_path / name).mkdir()
-    refused(lambda: write(tmp_path / name), f"{name}: cannot be written: Is a directory")
-    assert [path.name for path in tmp_path.iterdir()] == [name]
-
-
-@pytest.mark.parametrize(("name", "write"), WRITERS)
-def test_a_full_disk_leaves_what_was_there(tmp_path, monkeypatch, name, write):
-    (tmp_path / name).write_bytes(b"before")
-
-    def full(self, *_, **__):
-        raise OSError(28, "No space left on device")
-
-    with monkeypatch.context() as patched:
-        patched.setattr("PIL.Image.Image.save", full)
-        patched.setattr("OpenEXR.File.write", full)
-        refused(lambda: write(tmp_path / name), f"{name}: cannot be written: No space left on device")
-    assert [path.read_bytes() for path in tmp_path.iterdir()] == [b"before"]

@@ -25,7 +25,7 @@ from gemrender.report.comparison import (
 from gemrender.report.formats import FORMATS
 from gemrender.scoring import score
 from gemrender.stone import Stone
-from tests.observations import ROOT, STONE, observation, run_gemrender, run_python
+from tests.observations import ROOT, STONE, observation, run_python
 
 FAST = ("--engine", "reference", "--resolution", "32")
 
@@ -133,19 +133,16 @@ def test_files_of_a_pair(tmp_path):
 
 
 @pytest.mark.parametrize("form", FORMATS)
-def test_command_prints_each_format(form):
-    done = run_gemrender("compare", "inoue-1", "inoue-3", *FAST, "--format", form)
-    assert done.returncode == 0, done.stderr
-    assert "Inoue sample 3" in done.stdout
-    assert done.stderr == ""
+def test_command_prints_each_format(form, gemrender):
+    status, out, err = gemrender("compare", "inoue-1", "inoue-3", *FAST, "--format", form)
+    assert (status, err) == (0, "")
+    assert "Inoue sample 3" in out
 
 
-def test_unwritable_folder_is_one_line(tmp_path):
+def test_unwritable_folder_is_one_line(tmp_path, gemrender):
     (tmp_path / "file").write_text("")
-    done = run_gemrender("compare", "inoue-1", *FAST, "--out", str(tmp_path / "file"))
-    assert done.returncode == 2
-    assert len(done.stderr.splitlines()) == 1
-    assert done.stdout == ""
+    status, out, err = gemrender("compare", "inoue-1", *FAST, "--out", str(tmp_path / "file"))
+    assert (status, out, len(err.splitlines())) == (2, "", 1)
 
 
 def test_script_sets_paper_beside_program():

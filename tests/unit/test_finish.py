@@ -21,6 +21,7 @@ from gemrender.render.finish import (
     write_picture,
 )
 from gemrender.render.fireflies import BRIGHTER, FEWEST_SAMPLES, firefly_scale, without_fireflies
+from gemrender.render.first_seen import Seen
 from gemrender.render.photoreal import Foreground, Picture
 from gemrender.scene.setup import Setup, Sky
 
@@ -36,11 +37,14 @@ def picture(stone=0.5, ground=0.2):
     xyz[:, :3], xyz[:, 3:6] = stone, ground
     albedo[:, :3], albedo[:, 3:6] = 1.0, 0.6
     coverage[:, :6] = 1.0
+    shows = np.zeros((4, 9), np.uint8)
+    shows[:, :3], shows[:, 3:6] = Seen.STONE, Seen.GROUND
     return Picture(
         xyz=xyz,
         albedo=albedo,
         normal=np.zeros_like(xyz),
         coverage=coverage,
+        shows=shows,
         spectrum=np.zeros((4, 9, 0), np.float32),
         bins_nm=None,
         samples=1,
@@ -70,6 +74,30 @@ def test_or_so_that_the_ground_is_white_through_the_curve(curve):
     assert (shown[:, 3:6] == WHITE_PAPER).all()  # neutral, whatever the light
     two_stops = exposure_of(warm, setup, ev=2.0)
     assert two_stops == pytest.approx(4 * exposure_of(warm, setup))
+
+
+@pytest.mark.parametrize("expose_for", ["ground", "white"])
+def test_metal_and_things_are_no_ground(expose_for):
+    """Most of what is beside the stone is a bright red thing; the paper is what it was."""
+    setup = dataclasses.replace(SETUP, expose_for=expose_for)
+    plain, beside = picture(0.5, 0.2), picture(0.5, 0.2)
+    beside.shows[:, 4:6], beside.xyz[:, 4:6] = Seen.BESIDE, [9.0, 5.0, 1.0]
+    assert exposure_of(beside, setup) == exposure_of(plain, setup)
+    np.testing.assert_array_equal(white_of(beside, setup), white_of(plain, setup))
+
+
+def test_neither_are_they_stones_nor_is_glass():
+    beside = picture(0.5, 50.0)
+    beside.shows[:, 3:6], beside.albedo[:, 3:6] = Seen.BESIDE, 1.0
+    assert exposure_of(beside, SETUP) == pytest.approx(EXPOSED_TO / 0.5)
+
+
+def test_a_ground_that_reflects_all_is_one():
+    white = picture(0.5, 0.2)
+    white.albedo[:, 3:6] = 1.0
+    setup = dataclasses.replace(SETUP, expose_for="ground")
+    assert exposure_of(white, setup) == pytest.approx(PAPER / 0.2)
+    assert exposure_of(white, SETUP) == pytest.approx(EXPOSED_TO / 0.5)
 
 
 def test_a_white_ground_that_is_black_leaves_white_and_exposure_to_the_stones():
@@ -122,7 +150,8 @@ def cut_out(light=0.4):
     alpha = np.zeros((4, 9), np.float32)
     alpha[:, :3], alpha[:, 3] = 1.0, 0.25
     own = np.array([light, light, 0.6 * light], np.float32)
-    front = Foreground(xyz=alpha[..., None] * own, normal=np.zeros_like(whole.normal), alpha=alpha)
+    white = np.repeat(alpha[..., None], 3, axis=2)
+    front = Foreground(xyz=white * own, albedo=white, normal=np.zeros_like(whole.normal), alpha=alpha)
     return dataclasses.replace(whole, foreground=front), own
 
 
@@ -261,6 +290,28 @@ def test_png_is_clamped_and_says_so_and_exr_is_not(tmp_path):
     with Image.open(write_picture(tmp_path / "b.png", even, SETUP, exposure=1.0)) as image:
         assert "Description" not in image.text
     assert read_exr(write_picture(tmp_path / "a.exr", whole, SETUP, exposure=1.0))["Y"][2, 6] == 45.5 * 0.5
+
+
+@pytest.mark.parametrize("clamp", [False, True])
+def test_the_denoiser_takes_no_light_of_what_is_seen(clamp, rng):
+    """Of stones, ground and the rest each: light of lonely pixels too, which it would take away."""
+    pytest.importorskip("mitsuba_oidn")
+    noisy = picture(0.5, 0.2)
+    noisy = dataclasses.replace(noisy, **{
+        name: np.kron(getattr(noisy, name), np.ones((8, 8, 1) if getattr(noisy, name).ndim == 3 else (8, 8)))
+        .astype(getattr(noisy, name).dtype) for name in ("xyz", "albedo", "normal", "coverage", "shows")
+    })  # fmt: skip
+    halves = noisy.xyz[..., 1] * rng.uniform(0.5, 1.5, (2, *noisy.shows.shape)).astype(np.float32)
+    halves[0, 5:30:7, 3:70:7] *= 300
+    xyz = np.repeat(halves.mean(axis=0)[..., None], 3, axis=2)
+    noisy = dataclasses.replace(noisy, xyz=xyz, halves=halves, samples=FEWEST_SAMPLES)
+    given = without_fireflies(noisy) if clamp else noisy
+    assert (given is noisy) != clamp
+    after = denoised(noisy, clamp=clamp)
+    for kind in (Seen.STONE, Seen.GROUND):
+        here = noisy.shows == kind
+        assert after.xyz[here, 1].mean() == pytest.approx(given.xyz[here, 1].mean(), rel=DENOISED)
+        assert after.xyz[here, 1].std() < 0.7 * given.xyz[here, 1].std()
 
 
 def test_the_denoiser_gets_fireflies_unless_they_are_to_be_clamped():

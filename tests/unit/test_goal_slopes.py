@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from gemrender.beam.sensitivity import Sensitivity, sensitivity
 from gemrender.cuts import RoundBrilliant, load_stone
 from gemrender.cuts.families import families
 from gemrender.stone import Stone
-from gemrender.sweep.goal_slopes import goal_slopes, has_slopes
-from gemrender.sweep.goals import Goal
-from gemrender.sweep.rough import Diameter
-from gemrender.sweep.search import prepare_search
+from gemrender.sweep.improve.goal_slopes import goal_slopes, has_slopes
+from gemrender.sweep.improve.goals import Goal
+from gemrender.sweep.improve.rough import Diameter
+from gemrender.sweep.improve.search import prepare_search
 
 VALUES = {"iso.value": 80.0, "aset.leak": 6.0, "inoue.average": 60.0, "volume": 2.0}
 #: Half the step of central differences [% or deg], and what they are off by, rounding for the most part.
 STEP, CLOSE = 1e-6, 1e-5
+#: Decimals to which one stone's planes are alike, whichever of its numbers they are made from.
+ROUNDING = 12
 #: Away from a pavilion of 45 degrees, where its light jumps.
 STEP_CUT = families()["emerald"](table=63.3, crown_height=12.7, pavilion_depth=47.3).stone(name="e")
 
@@ -61,6 +65,26 @@ def test_which_goals_have_exact_slopes(text, exact):
     assert has_slopes(Goal.parse(text)) is exact
 
 
+@pytest.fixture(scope="module")
+def derivatives() -> Iterator[None]:
+    """Derivatives by the numbers of a stone are taken once for all searches that begin with it."""
+    known: dict[tuple[object, ...], Sensitivity] = {}
+
+    def once(stone, *, measures, **options):
+        names = tuple(of.name for of in measures)
+        planes = tuple(np.round(stone.solid.planes, ROUNDING).ravel().tolist())
+        key = (planes, stone.material, names, *sorted(options.items()))
+        if key not in known:
+            known[key] = sensitivity(stone, measures=measures, **options)
+        return known[key]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("gemrender.sweep.improve.goal_slopes.sensitivity", once)
+        yield
+    assert len(known) == 1
+
+
+@pytest.mark.usefixtures("derivatives")
 @pytest.mark.parametrize("varied", [("table", "crown_angle", "pavilion_angle"), ("table", "pavilion_bulge")])
 def test_exact_slopes_are_those_of_differences(varied):
     """By what the search moves: with the crown's angle kept where that is varied, else with its height."""

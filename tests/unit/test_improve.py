@@ -16,10 +16,10 @@ from gemrender.cuts.families import families
 from gemrender.cuts.stone_file import stone_file_text
 from gemrender.errors import InputError
 from gemrender.stone import Stone
-from gemrender.sweep.goals import Goal, tilts_of_cone
 from gemrender.sweep.improve import improve
-from gemrender.sweep.ranges import Range, ranges_of
-from gemrender.sweep.search import prepare_search
+from gemrender.sweep.improve.goals import Goal, tilts_of_cone
+from gemrender.sweep.improve.ranges import Range, ranges_of
+from gemrender.sweep.improve.search import prepare_search
 from gemrender.sweep.unknown import Cutting
 
 STONE = load_stone("gia-excellent")

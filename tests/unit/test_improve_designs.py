@@ -19,9 +19,9 @@ from gemrender.cuts.meets import KEPT, Meets
 from gemrender.cuts.stone_file import save_stone_file, stone_file_text
 from gemrender.errors import InputError
 from gemrender.sweep.improve import improve
-from gemrender.sweep.ranges import ranges_of
-from gemrender.sweep.rough import Box
-from gemrender.sweep.varied import angles_that_followed, remaker, varied_figures
+from gemrender.sweep.improve.ranges import ranges_of
+from gemrender.sweep.improve.rough import Box
+from gemrender.sweep.improve.varied import angles_that_followed, remaker, varied_figures
 
 CASES = Path(__file__).parents[1] / "cases" / "stones"
 ROUND = load_stone(CASES / "round.asc")

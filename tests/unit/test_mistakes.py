@@ -16,7 +16,6 @@ from gemrender.mistakes import LONGEST_LISTED, MOST_LISTED, Mistakes, MistakesEr
 from gemrender.optics import load_material
 from gemrender.reading import located_at, read_lines
 from gemrender.scene.setup import Camera, load_setup
-from tests.observations import run_gemrender
 
 
 @pytest.fixture(autouse=True)
@@ -251,12 +250,12 @@ def test_objects_made_by_hand_tell_all_too():
         )
 
 
-def test_the_command_prints_one_line_with_status_2():
+def test_the_command_prints_one_line_with_status_2(gemrender):
     Path("x.toml").write_text(_STONE)
-    done = run_gemrender("score", "x.toml")
-    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
-    assert done.stderr.startswith("gemrender: x.toml: nam = 'x': ")
-    assert done.stderr.count(": must be") == 4
+    status, out, err = gemrender("score", "x.toml")
+    assert (status, out, err.count("\n")) == (2, "", 1)
+    assert err.startswith("gemrender: x.toml: nam = 'x': ")
+    assert err.count(": must be") == 4
 
 
 # ---- What is no file -----------------------------------------------------------------------------------

@@ -13,10 +13,10 @@ from gemrender.cli.program import run
 from gemrender.cuts.families import families
 from gemrender.errors import BackendError, InputError
 from gemrender.report.pareto import front_figure
-from gemrender.sweep.answers import SearchInterruptedError
-from gemrender.sweep.pareto import non_dominated, pareto_front, spread_out
-from gemrender.sweep.ranges import ranges_of
-from gemrender.sweep.search import prepare_search
+from gemrender.sweep.improve.answers import SearchInterruptedError
+from gemrender.sweep.improve.pareto import non_dominated, pareto_front, spread_out
+from gemrender.sweep.improve.ranges import ranges_of
+from gemrender.sweep.improve.search import prepare_search
 
 STONE = families()["emerald"]().stone(name="emerald", material="sapphire")
 GOALS = ["inoue", "volume"]
@@ -100,7 +100,7 @@ def test_ctrl_c_keeps_the_front_so_far(monkeypatch):
     def stop(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("gemrender.sweep.pareto.described", stop)
+    monkeypatch.setattr("gemrender.sweep.improve.pareto.described", stop)
     with pytest.raises(SearchInterruptedError) as caught:
         pareto_front(STONE, GOALS, GRID, rounds=1)
     assert caught.value.found.front

@@ -1,12 +1,10 @@
-"""The float64 tracer: closed forms by hand, an independent tracer of half-spaces, rays that may get lost."""
+"""The float64 tracer: closed forms by hand, and an independent tracer of half-spaces."""
 
 from __future__ import annotations
 
-from collections import Counter
-
 import numpy as np
 import pytest
-from half_spaces import CYLINDER, follow, half_spaces
+from half_spaces import follow, half_spaces
 from physics_tolerances import (
     CRITICAL_MARGIN_DEG,
     FEW_REFLECTIONS,
@@ -19,30 +17,19 @@ from physics_tolerances import (
     SINGLE_PERCENT,
     outline_error,
 )
+from reference_help import SAMPLES, cut, from_above, from_all_around, over_the_top_view, sample, solid
 
-from gemrender import Model, RayStatus, RoundBrilliant, Stone, View, load_stone
+from gemrender import Model, RayStatus, View, load_stone
 from gemrender.cuts import stone_from_vertices
 from gemrender.cuts.random import random_brilliant
-from gemrender.cuts.round_brilliant.topology import (
-    CONTACT,
-    FACET_KINDS,
-    FACET_POLYGONS,
-    GIRDLE,
-    GIRDLE_LOWER,
-    GIRDLE_UPPER,
-    N_VERTICES,
-    STAR_TIP,
-    TRIANGLES,
-)
+from gemrender.cuts.round_brilliant.topology import FACET_KINDS
 from gemrender.optics.fresnel import critical_angle_deg, transmittance
-from gemrender.reference import observe, surfaces, trace, tracer
+from gemrender.reference import observe, trace, tracer
 from gemrender.reference.surfaces import surfaces_of
 from gemrender.scoring import score_observation
 from gemrender.stone import tessellate
 
-SAMPLES = ["inoue-1", "inoue-2", "inoue-3"]
 INDEX = 2.4173
-DOWN = np.array([0.0, 0.0, -1.0])
 MODELS = [
     Model(fresnel=fresnel, intensity=intensity)
     for fresnel in ("gubelin", "exact")
@@ -50,61 +37,6 @@ MODELS = [
 ]
 #: Girdle thicknesses [%] where the scallops cross (0.5 and below) and where they do not.
 THICKNESSES = [0.0, 0.1, 0.5, 2.5, 10.0]
-
-
-def cut(pavilion_angle=40.75, **other):
-    """Tolkowsky's cut, or with another pavilion."""
-    angles = {"table": 53, "crown_angle": 34.5, "star": 50, "lower_half": 80, "girdle_thickness": 2.0}
-    return RoundBrilliant.from_angles(**angles | other, pavilion_angle=pavilion_angle)
-
-
-def sample(**other):
-    proportions = {"table": 54.0, "star": 57.0, "lower_girdle_contact": 20.0, "crown_height": 15.7}
-    proportions |= {"pavilion_depth": 43.08, "girdle_thickness": 2.5}
-    return RoundBrilliant(**proportions | other)
-
-
-def solid(proportions):
-    return Stone.from_proportions(proportions)
-
-
-def measured(rng, scale, **other):
-    """The sample with every vertex moved at random, by so much in the mean [girdle radius]."""
-    vertices = sample(**other).vertices() + rng.normal(scale=scale, size=(N_VERTICES, 3))
-    return stone_from_vertices(vertices)
-
-
-def from_above(xy):
-    """Return origins and directions of vertical rays through points (n, 2) of the top view."""
-    xy = np.atleast_2d(np.asarray(xy, dtype=float))
-    return np.column_stack([xy, np.full(len(xy), 10.0)]), np.broadcast_to(DOWN, (len(xy), 3))
-
-
-def over_the_top_view(rng, n):
-    return from_above(rng.uniform(-1.05, 1.05, size=(n, 2)))
-
-
-def from_all_around(rng, n):
-    """Rays through uniform points of a cube around the stone, in uniform directions, from outside."""
-    direction = rng.normal(size=(n, 3))
-    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-    return rng.uniform(-1, 1, size=(n, 3)) - 10 * direction, direction
-
-
-def assert_none_lost(stone, record):
-    """Every ray missed the stone or left it, and where it left is on the facet that it left through."""
-    assert set(record.status) == {RayStatus.MISSED, RayStatus.EXITED}
-    out = record.status == RayStatus.EXITED
-    point, facet = record.exit_point[out], record.exit_facet[out]
-    assert np.hypot(point[:, 0], point[:, 1]).max() <= np.hypot(*stone.solid.vertices[:, :2].T).max() + PATH
-    low, high = stone.vertices[:, 2].min(), stone.vertices[:, 2].max()
-    assert ((point[:, 2] >= low - PATH) & (point[:, 2] <= high + PATH)).all()
-    wall = facet == GIRDLE
-    heights = stone.vertices[[*GIRDLE_LOWER, *GIRDLE_UPPER], 2]
-    assert ((point[wall, 2] >= heights.min() - PATH) & (point[wall, 2] <= heights.max() + PATH)).all()
-    gaps = np.abs(point[~wall] @ stone.solid.planes[:, :3].T - stone.solid.planes[:, 3])
-    gaps[facet[~wall, None] != stone.solid.facet] = np.inf
-    assert gaps.min(axis=1).max() <= PATH
 
 
 # ---- Closed forms --------------------------------------------------------------------------------------
@@ -328,131 +260,6 @@ def test_light_sent_back_comes_out_at_the_eye(name, rng):
     np.testing.assert_allclose(
         back.primary_intensity[lit], there.primary_intensity[kept][lit], rtol=0, atol=PATH_PERCENT
     )
-
-
-# ---- No ray is lost ------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name", SAMPLES)
-def test_every_ray_is_accounted_for(name):
-    stone = load_stone(name)
-    seen = observe(stone, View.of(stone, 128))
-    x, y = seen.view.cell_centres()
-    in_the_disc = np.hypot(x[None, :], y[:, None]) <= 1
-    np.testing.assert_array_equal(seen.coverage, in_the_disc)
-    np.testing.assert_array_equal(seen.status != RayStatus.MISSED, in_the_disc)
-    counts = Counter(seen.status.ravel().tolist())
-    assert counts == {RayStatus.MISSED: (~in_the_disc).sum(), RayStatus.EXITED: in_the_disc.sum()}
-
-    np.testing.assert_array_equal(seen.entry_facet >= 0, in_the_disc)
-    np.testing.assert_array_equal(seen.exit_facet >= 0, in_the_disc)
-    lit = in_the_disc & (seen.rear_mask == 0)
-    np.testing.assert_array_equal(seen.primary_intensity > 0, lit)
-    assert (seen.rear_mask[~in_the_disc] == 0).all()
-    point, direction = seen.exit_point[in_the_disc], seen.exit_direction[in_the_disc]
-    assert np.abs(half_spaces(stone.proportions).outside(point.astype(float))).max() < 4 * SINGLE
-    np.testing.assert_allclose(np.linalg.norm(direction, axis=1), 1, rtol=0, atol=4 * SINGLE)
-
-    result = score_observation(seen)
-    shares = [band.share for band in result.bands]
-    assert sum(shares) + result.rear + result.trapped + result.lost == pytest.approx(100)
-    assert (result.trapped, result.lost) == (0, 0)
-
-
-EDGES = sorted(
-    {tuple(sorted(edge)) for p in FACET_POLYGONS for edge in zip(p, p[1:] + p[:1], strict=True)}
-    | {tuple(sorted(edge)) for t in TRIANGLES.tolist() for edge in zip(t, t[1:] + t[:1], strict=True)}
-)
-
-
-@pytest.mark.parametrize("turn_deg", [0, 11.25, 7.3])
-@pytest.mark.parametrize("name", SAMPLES)
-def test_rays_through_edges_and_vertices_are_not_lost(name, turn_deg):
-    # All edges of the 78 triangles, those of the pavilion under the table included, seen from above: table
-    # corners, star tips, kite edges, the axis over the culet, girdle points.
-    stone = load_stone(name).rotated(turn_deg)
-    start, end = stone.vertices[np.array(EDGES).T, None, :2]
-    xy = (start + np.linspace(0, 1, 9)[:, None] * (end - start)).reshape(-1, 2)
-    through = trace(stone, *from_above(xy))
-    assert (through.status == RayStatus.EXITED).all()
-    # Either face will do: one that is met a hair's breadth away.
-    inner = np.hypot(*xy.T) < 0.999
-    azimuth = np.pi / 4 * np.arange(8) + 0.1
-    hair = 1e-9 * np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1)
-    beside = np.array([trace(stone, *from_above(xy[inner] + h)).entry_facet for h in hair])
-    assert (beside == through.entry_facet[inner]).any(axis=0).all()
-
-
-@pytest.mark.parametrize("name", SAMPLES)
-@pytest.mark.parametrize("beyond", [-1e-9, -1e-13, 0.0, 1e-13, 1e-9])
-def test_vertical_rays_at_the_girdles_very_edge(name, beyond):
-    azimuth = np.linspace(0, 2 * np.pi, 721)
-    xy = (1 + beyond) * np.stack([np.cos(azimuth), np.sin(azimuth)], axis=-1)
-    status = set(trace(load_stone(name), *from_above(xy)).status)
-    # Within rounding of the rim a ray may count as inside or as outside; it is not lost.
-    allowed = {-1e-9: {RayStatus.EXITED}, 1e-9: {RayStatus.MISSED}}
-    assert status <= allowed.get(beyond, {RayStatus.EXITED, RayStatus.MISSED})
-
-
-def test_rays_along_surfaces_outside_them_miss():
-    # Along the girdle's wall, downwards and across; over the table; under the culet.
-    origin = np.array([[1.001, 0.0, 10.0], [-10.0, 1.001, 0.02], [-10.0, 0.0, 0.3641], [-10.0, 0.0, -0.87]])
-    direction = np.array([DOWN, [1.0, 0, 0], [1.0, 0, 0], [1.0, 0, 0]])
-    record = trace(solid(sample()), origin, direction)
-    assert (record.status == RayStatus.MISSED).all()
-
-
-@pytest.mark.parametrize("most", [1, 2, 5])
-def test_trapped_rays_are_counted(most):
-    stone = load_stone("inoue-2")
-    view = View.of(stone, 64)
-    free, capped = observe(stone, view), observe(stone, view, Model(max_reflections=most))
-    trapped = free.reflections > most
-    np.testing.assert_array_equal(
-        capped.status, np.where(trapped, RayStatus.TRAPPED, free.status), err_msg="status"
-    )
-    np.testing.assert_array_equal(capped.reflections, np.minimum(free.reflections, most))
-    np.testing.assert_array_equal(capped.primary_intensity, np.where(trapped, 0, free.primary_intensity))
-    np.testing.assert_array_equal(capped.rear_mask, np.where(trapped, 0, free.rear_mask))
-    np.testing.assert_array_equal(capped.exit_facet, np.where(trapped, -1, free.exit_facet))
-    share = 100 * trapped.sum() / (free.coverage > 0).sum()
-    assert share > 0
-    assert score_observation(capped).trapped == pytest.approx(share)
-
-
-@pytest.mark.parametrize("scale", [1e-12, 1e-3, 3e-3])
-@pytest.mark.parametrize("other", [{}, {"girdle_thickness": 1.5}], ids=["sample", "thin"])
-def test_measured_stone_loses_no_ray(scale, other, rng):
-    stone = measured(rng, scale, **other)
-    top = trace(stone, *over_the_top_view(rng, 1000))
-    around = trace(stone, *from_all_around(rng, 1000))
-    for record in (top, around):
-        assert_none_lost(stone, record)
-
-
-def test_ray_that_slips_between_two_surfaces_takes_the_nearest_plane(rng, monkeypatch):
-    # As rounding might open a gap: triangles that are smaller all round than they should be.
-    monkeypatch.setattr(surfaces, "EDGE_TOLERANCE", -1e-3)
-    planes, p = half_spaces(sample()), rng.uniform(-1, 1, size=(4000, 3))
-    p = p[planes.outside(p) < -0.01]
-    direction = from_all_around(rng, len(p))[1]
-    hit = surfaces_of(solid(sample())).nearest(p, direction, inside=True)
-    _, _, t_out, facet = planes.clip(p, direction)
-    assert (hit.facet >= 0).all()
-    on_planes = facet != CYLINDER
-    assert (~on_planes).any()
-    np.testing.assert_allclose(hit.distance[on_planes], t_out[on_planes], rtol=0, atol=PATH)
-
-
-def test_slightly_hollow_stone_loses_no_ray(rng):
-    # Star tips raised and contacts lowered: kites are hollow along their long diagonals.
-    vertices = sample().vertices()
-    vertices[STAR_TIP, 2] += 0.01
-    vertices[CONTACT, 2] -= 0.01
-    stone = stone_from_vertices(vertices)
-    assert not stone.is_convex
-    for rays in (over_the_top_view(rng, 2000), from_all_around(rng, 2000)):
-        assert_none_lost(stone, trace(stone, *rays))
 
 
 # ---- The two rules for rear light ----------------------------------------------------------------------

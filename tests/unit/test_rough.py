@@ -10,10 +10,10 @@ from meshes import BOX_FACES, box, turned
 from gemrender.cuts import load_stone
 from gemrender.cuts.families import families
 from gemrender.errors import InputError
-from gemrender.sweep.goals import Goal
-from gemrender.sweep.rough import Box, Diameter
-from gemrender.sweep.rough_mesh import MeshRough
-from gemrender.sweep.sized import Sized, read_rough
+from gemrender.sweep.improve.goals import Goal
+from gemrender.sweep.improve.rough import Box, Diameter
+from gemrender.sweep.improve.rough_mesh import MeshRough
+from gemrender.sweep.improve.sized import Sized, read_rough
 
 #: Rounding of sums and products.
 ROUNDING = 1e-12

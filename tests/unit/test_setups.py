@@ -18,8 +18,8 @@ from gemrender.scene.setup import Camera, Ground, Light, Setup, Sky, Zone, bundl
 from gemrender.scene.zones import layers
 
 BUNDLED = [
-    "arrows", "aset", "fire", "hearts", "hemisphere", "ideal-scope", "loupe", "macro", "product", "studio",
-    "sun", "velvet", "white", "window",
+    "arrows", "aset", "fire", "hand", "hearts", "hemisphere", "ideal-scope", "loupe", "macro", "product",
+    "studio", "sun", "velvet", "white", "window",
 ]  # fmt: skip
 SETUPS = Path(gemrender.__file__).parent.parent / "scenes" / "setups"
 
@@ -57,6 +57,13 @@ def refusal(setup: str) -> str:
 
 def test_bundled_setups_are_named_in_order():
     assert bundled_setups() == BUNDLED
+
+
+def test_a_copy_of_a_bundled_setup_finds_the_mesh_that_comes_along():
+    copy = write((SETUPS / "hand.toml").read_text())
+    assert Path(load_setup(copy).things[0].mesh) == SETUPS / "hand.ply"
+    copy = write((SETUPS / "hand.toml").read_text().replace("hand.ply", "foot.ply"))
+    assert refusal(copy) == "x.toml: thing 1.mesh = 'foot.ply': no such file"
 
 
 @pytest.mark.parametrize("name", BUNDLED)

@@ -14,7 +14,7 @@ from gemrender.report.symmetry import study_table, write_symmetry_figure
 from gemrender.sweep import SymmetryStudy, study_symmetry
 from gemrender.sweep.symmetry import _entry, draw_stone
 from gemrender.sweep.workers import LostProcessError
-from tests.observations import run_gemrender, run_python
+from tests.observations import run_python
 
 STONE = load_stone("inoue-2")
 #: A small study that needs no Mitsuba.
@@ -206,12 +206,12 @@ def test_figure_and_table(tmp_path, capsys):
     assert "Inoue sample 2" in out
 
 
-def test_command_prints_json():
-    done = run_gemrender(
+def test_command_prints_json(gemrender):
+    status, out, err = gemrender(
         "symmetry", "inoue-2", "--draws", "2", "--engine", "reference", "--resolution", "16", "--json"
     )
-    assert done.returncode == 0, done.stderr
-    (study,) = json.loads(done.stdout)
+    assert status == 0, err
+    (study,) = json.loads(out)
     assert study["draws"] == 2
     assert set(study["summary"]) == {"average", "rear"}
 
@@ -225,7 +225,5 @@ def test_command_prints_json():
         (["--jitter", "1"], "--jitter = 1.0: must be from 0 to 0.05"),
     ],
 )
-def test_bad_input_is_one_line(words, said):
-    done = run_gemrender("symmetry", "inoue-2", *words)
-    assert done.returncode == 2
-    assert done.stderr == f"gemrender: {said}\n"
+def test_bad_input_is_one_line(words, said, gemrender):
+    assert gemrender("symmetry", "inoue-2", *words) == (2, "", f"gemrender: {said}\n")

@@ -20,13 +20,13 @@ from gemrender.measures import Measure
 from gemrender.reading import did_you_mean
 from gemrender.stone import Stone
 from gemrender.sweep.cliffs import check_reach
-from gemrender.sweep.goals import Goal, Pose
-from gemrender.sweep.ranges import Range, ranges_of
-from gemrender.sweep.rough import Rough
-from gemrender.sweep.sized import Sized, read_rough
+from gemrender.sweep.improve.goals import Goal, Pose
+from gemrender.sweep.improve.ranges import Range, ranges_of
+from gemrender.sweep.improve.rough import Rough
+from gemrender.sweep.improve.sized import Sized, read_rough
+from gemrender.sweep.improve.varied import Remake, remaker, varied_figures
 from gemrender.sweep.tilt import solid_digest
 from gemrender.sweep.unknown import Rounding, Unknown, draw
-from gemrender.sweep.varied import Remake, remaker, varied_figures
 
 __all__ = ["DEFAULT_DRAWS", "Places", "Search", "prepare_search"]
 
@@ -66,7 +66,7 @@ class Search:
     head : float
         Half the angle at which the viewer's head is seen [deg].
     meets : str or None
-        Of a design, what becomes of its meet points (`gemrender.sweep.varied.remaker`).
+        Of a design, what becomes of its meet points (`gemrender.sweep.improve.varied.remaker`).
     remade : callable
         What makes a stone with parameters changed.
     sized : Sized

@@ -12,9 +12,9 @@ from gemrender.errors import InputError
 from gemrender.optics import load_material
 from gemrender.reading import located_at, read_bytes
 from gemrender.stone import Stone
-from gemrender.sweep.goals import Goal
-from gemrender.sweep.rough import Box, Diameter, Rough
-from gemrender.sweep.rough_mesh import MeshRough
+from gemrender.sweep.improve.goals import Goal
+from gemrender.sweep.improve.rough import Box, Diameter, Rough
+from gemrender.sweep.improve.rough_mesh import MeshRough
 
 __all__ = ["Sized", "density_of", "read_rough"]
 

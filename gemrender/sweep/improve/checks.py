@@ -10,7 +10,7 @@ from gemrender.crosscheck import crosscheck
 from gemrender.engines import DEFAULT_VARIANT, observe_alike
 from gemrender.scoring import score_pixels
 from gemrender.stone import Stone
-from gemrender.sweep.search import Search
+from gemrender.sweep.improve.search import Search
 
 __all__ = ["CHECK_RESOLUTION", "Check", "EngineCheck", "checked", "is_better"]
 

@@ -2,7 +2,7 @@
 
 The search is differential evolution (Storn & Price, J. Global Optimization 11, 341 (1997)) by scipy, over
 values that a cutter can hold: each parameter in steps. What it has found is finished from where it is
-(`gemrender.sweep.finish`). Answers that are far apart are kept, not the best alone.
+(`gemrender.sweep.improve.finish`). Answers that are far apart are kept, not the best alone.
 """
 
 from __future__ import annotations
@@ -16,13 +16,20 @@ from typing import Any
 from gemrender.engines import DEFAULT_HEAD
 from gemrender.errors import InputError
 from gemrender.stone import Stone
-from gemrender.sweep.answers import Answer, Phases, SearchInterruptedError, answer_at, described, start_of
-from gemrender.sweep.checks import Check
-from gemrender.sweep.finish import finished
-from gemrender.sweep.goals import Goal
-from gemrender.sweep.ranges import Range
-from gemrender.sweep.rough import Rough
-from gemrender.sweep.search import DEFAULT_DRAWS, Places, Search, prepare_search
+from gemrender.sweep.improve.answers import (
+    Answer,
+    Phases,
+    SearchInterruptedError,
+    answer_at,
+    described,
+    start_of,
+)
+from gemrender.sweep.improve.checks import Check
+from gemrender.sweep.improve.finish import finished
+from gemrender.sweep.improve.goals import Goal
+from gemrender.sweep.improve.ranges import Range
+from gemrender.sweep.improve.rough import Rough
+from gemrender.sweep.improve.search import DEFAULT_DRAWS, Places, Search, prepare_search
 from gemrender.sweep.unknown import Unknown
 
 __all__ = ["Answer", "Improvement", "SearchInterruptedError", "improve"]
@@ -87,10 +94,10 @@ def improve(
     stone : Stone
         Where the search begins: a stone that was made from proportions, of a family, or from a design.
     goal : Goal or str
-        The goal; see `gemrender.sweep.goals`.
+        The goal; see `gemrender.sweep.improve.goals`.
     vary_by : sequence of Range or str
         The parameters that are varied: as "crown_angle" or "pavilion_angle=40:42:0.1"
-        (`gemrender.sweep.ranges.ranges_of`), or ranges.
+        (`gemrender.sweep.improve.ranges.ranges_of`), or ranges.
     keep : mapping of str to pair of float, optional
         Ranges that other figures of the stone must stay within, such as crown_height.
     unknown : Unknown, optional
@@ -106,10 +113,10 @@ def improve(
     head : float
         Half the angle at which the viewer's head is seen from the stone, 0 to below 90 [deg].
     meets : {"kept", "loose"}, optional
-        Of a faceter's design, what becomes of its meet points (`gemrender.sweep.varied.remaker`).
+        Of a faceter's design, what becomes of its meet points (`gemrender.sweep.improve.varied.remaker`).
     rough : Rough or str, optional
-        What the stones are cut from, as `gemrender.sweep.sized.read_rough` reads it, for goals of `yield` and
-        `carat`; the answers have the size that fits.
+        What the stones are cut from, as `gemrender.sweep.improve.sized.read_rough` reads it, for goals of
+        `yield` and `carat`; the answers have the size that fits.
     options : dict, optional
         Further arguments of `gemrender.score`: bound (0.1 by default), index ...
     journal : Path, optional

@@ -13,7 +13,7 @@ from gemrender.cuts.round_brilliant.proportions import ANGLE_RANGES, RANGES
 from gemrender.errors import InputError
 from gemrender.reading import did_you_mean
 from gemrender.stone import Stone
-from gemrender.sweep.varied import varied_figures
+from gemrender.sweep.improve.varied import varied_figures
 
 __all__ = ["Range", "figure_name", "ranges_of"]
 
@@ -69,7 +69,7 @@ def ranges_of(
     """Return the ranges of parameters that are varied: as "crown_angle", "table=54:58" or "table=54:58:0.5".
 
     A step of 0 is any number within the range. Of a design, as "P1 angle=40:43:0.1"
-    (`gemrender.sweep.varied`).
+    (`gemrender.sweep.improve.varied`).
 
     Parameters
     ----------

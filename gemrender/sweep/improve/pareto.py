@@ -17,12 +17,19 @@ import numpy as np
 from gemrender.engines import DEFAULT_HEAD
 from gemrender.errors import BackendError, InputError
 from gemrender.stone import Stone
-from gemrender.sweep.answers import Answer, Phases, SearchInterruptedError, answer_at, described, start_of
-from gemrender.sweep.checks import Check
-from gemrender.sweep.goals import Goal
-from gemrender.sweep.ranges import Range
-from gemrender.sweep.rough import Rough
-from gemrender.sweep.search import DEFAULT_DRAWS, Places, Search, prepare_search
+from gemrender.sweep.improve.answers import (
+    Answer,
+    Phases,
+    SearchInterruptedError,
+    answer_at,
+    described,
+    start_of,
+)
+from gemrender.sweep.improve.checks import Check
+from gemrender.sweep.improve.goals import Goal
+from gemrender.sweep.improve.ranges import Range
+from gemrender.sweep.improve.rough import Rough
+from gemrender.sweep.improve.search import DEFAULT_DRAWS, Places, Search, prepare_search
 from gemrender.sweep.unknown import Unknown
 
 __all__ = ["Front", "FrontStone", "non_dominated", "pareto_front", "require_pymoo", "spread_out"]

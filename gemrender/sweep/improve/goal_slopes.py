@@ -20,8 +20,8 @@ from gemrender.measures import Measure
 from gemrender.request import ShortForms
 from gemrender.stone import Stone
 from gemrender.sweep.cliffs import parameters_of
-from gemrender.sweep.goals import Goal
-from gemrender.sweep.search import Search
+from gemrender.sweep.improve.goals import Goal
+from gemrender.sweep.improve.search import Search
 
 __all__ = ["GoalSlope", "goal_slopes", "has_slopes"]
 

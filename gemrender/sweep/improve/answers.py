@@ -14,11 +14,11 @@ from gemrender.errors import InputError
 from gemrender.observation import MeasureValues
 from gemrender.request import ShortForms
 from gemrender.stone import Stone
-from gemrender.sweep.checks import Check, EngineCheck, checked
 from gemrender.sweep.cliffs import Cliff, Parameter, find_cliffs
-from gemrender.sweep.goal_slopes import GoalSlope, goal_slopes
-from gemrender.sweep.ranges import Range
-from gemrender.sweep.search import Places, Search
+from gemrender.sweep.improve.checks import Check, EngineCheck, checked
+from gemrender.sweep.improve.goal_slopes import GoalSlope, goal_slopes
+from gemrender.sweep.improve.ranges import Range
+from gemrender.sweep.improve.search import Places, Search
 from gemrender.sweep.unknown import STEPS, figures_of
 
 __all__ = ["Answer", "Details", "Phases", "SearchInterruptedError", "answer_at", "described", "start_of"]

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from gemrender.sweep.goal_slopes import goal_slopes, has_slopes
-from gemrender.sweep.search import Places, Search
+from gemrender.sweep.improve.goal_slopes import goal_slopes, has_slopes
+from gemrender.sweep.improve.search import Places, Search
 
 __all__ = ["finished"]
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from gemrender.cuts.surface import closed_surface
 from gemrender.errors import InputError
-from gemrender.sweep.rough import Rough, check_side
+from gemrender.sweep.improve.rough import Rough, check_side
 
 __all__ = ["MeshRough"]
 
