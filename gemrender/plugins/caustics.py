@@ -13,7 +13,7 @@ from gemrender.plugins.checks import SceneCheck, is_stone
 from gemrender.plugins.emission import Emission
 from gemrender.plugins.projection import Projection
 from gemrender.plugins.stones import RAY_OFFSET, Stones
-from gemrender.plugins.walk import walk
+from gemrender.plugins.walk import LATE, LATE_SURVIVAL, walk
 from gemrender.scene.spread import roberts_steps
 
 __all__ = ["Caustics"]
@@ -235,9 +235,10 @@ class Caustics:
             landed |= plain
             active = behind | plain | left
 
-            # ---- Russian roulette: all rays that are left carry alike ----
+            # ---- Russian roulette: all rays that are left carry alike; late ones end by chance ----
 
             q = dr.minimum(dr.mean(β) / sent, 1)
+            q = dr.select(depth > LATE, q * LATE_SURVIVAL, q)
             active &= (q > 0) & (chance.next_float32() < q)
             β *= dr.select(active, dr.rcp(q), 0)
             ray.maxt = dr.largest(mi.Float)
