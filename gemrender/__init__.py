@@ -4,8 +4,7 @@
 
     import gemrender
 
-    stone = gemrender.load_stone("inoue-3")
-    result = gemrender.score(stone)
+    result = gemrender.score("inoue-3")
     print(result.average, result.rear)
 
 Importing the package imports no Mitsuba and sets no variant; `gemrender.mitsuba` does both.
@@ -49,7 +48,9 @@ if TYPE_CHECKING:
     from gemrender.stereo import StereoScore, score_stereo
     from gemrender.stone import Stone
     from gemrender.sweep.improve import improve, pareto_front
-    from gemrender.sweep.tolerance import study_tolerance
+    from gemrender.sweep.symmetry import SymmetryStudy, study_symmetry
+    from gemrender.sweep.tilt import TiltStudy, study_tilt
+    from gemrender.sweep.tolerance import ToleranceStudy, study_tolerance
     from gemrender.sweep.unknown import Cutting, Measuring, Rounding
 
 __version__ = "0.1.0"
@@ -74,6 +75,9 @@ __all__ = [
     "Setup",
     "StereoScore",
     "Stone",
+    "SymmetryStudy",
+    "TiltStudy",
+    "ToleranceStudy",
     "View",
     "VirtualFacets",
     "bundled_setups",
@@ -94,6 +98,8 @@ __all__ = [
     "score_stereo",
     "sensitivity",
     "stone_from_vertices",
+    "study_symmetry",
+    "study_tilt",
     "study_tolerance",
     "trace_facets",
     "trace_paths",
@@ -131,7 +137,12 @@ _ON_DEMAND = {
     "families": "gemrender.cuts.families",
     "improve": "gemrender.sweep.improve",
     "pareto_front": "gemrender.sweep.improve",
+    "study_symmetry": "gemrender.sweep.symmetry",
+    "study_tilt": "gemrender.sweep.tilt",
     "study_tolerance": "gemrender.sweep.tolerance",
+    "SymmetryStudy": "gemrender.sweep.symmetry",
+    "TiltStudy": "gemrender.sweep.tilt",
+    "ToleranceStudy": "gemrender.sweep.tolerance",
     "VirtualFacets": "gemrender.beam",
     "sensitivity": "gemrender.beam.sensitivity",
     "trace_facets": "gemrender.beam",

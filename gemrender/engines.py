@@ -7,11 +7,22 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Unpack
 
 from gemrender.errors import BackendError, InputError
-from gemrender.request import DEFAULT_RESOLUTION, ShortForms, resolve
+from gemrender.request import (
+    DEFAULT_BOUND,
+    DEFAULT_HEAD,
+    DEFAULT_MEMORY_LIMIT,
+    DEFAULT_RESOLUTION,
+    DEFAULT_TIME_LIMIT,
+    DEFAULT_VARIANT,
+    ShortForms,
+    resolve,
+    spelt_out,
+)
 
 if TYPE_CHECKING:
     import numpy as np
 
+    from gemrender.cuts import StoneLike
     from gemrender.measures.measure import Measure
     from gemrender.observation import Measurement, Model, Observation, View
     from gemrender.paths import Paths
@@ -47,14 +58,6 @@ VARIANTS = tuple(
     for backend in ("llvm", "cuda")
     for colour in ("rgb", "mono", "mono_polarized", "spectral", "spectral_polarized")
 )
-DEFAULT_VARIANT = "llvm_ad_mono"
-#: Error bound of exact scores [%].
-DEFAULT_BOUND = 0.05
-#: Half the angle at which the viewer's head is seen from the stone [deg].
-DEFAULT_HEAD = 10.0
-#: What an exact score may take before it ends with a larger bound: time [s] and memory [GiB].
-DEFAULT_TIME_LIMIT = 5.0
-DEFAULT_MEMORY_LIMIT = 1.0
 #: By how much stones are turned where engines are compared [deg]: rows, columns and diagonals of pixels lie
 #: on planes of symmetry of many, and so on edges, where either of two paths is right.
 _OFF_PLANES = 1.0
@@ -137,8 +140,9 @@ def require_engine(
         beam.prepare(rays=not stones or any(stone.is_round for stone in stones))
 
 
+@spelt_out
 def observe(
-    stone: Stone,
+    stone: StoneLike,
     *,
     view: View | None = None,
     model: Model | None = None,
@@ -157,31 +161,15 @@ def observe(
 
     Parameters
     ----------
-    stone : Stone
-        The stone; `load_stone` reads one.
-    view : View, optional
-        Where the eye is, and how many pixels a map has; by default what the short forms say.
-    model : Model, optional
-        The optical model; by default what the short forms say.
-    engine : {"auto", "exact", "mitsuba", "reference"}
-        Which tracer; "auto" is the exact one for convex stones, and Mitsuba for others.
-    variant : str
-        Mitsuba variant, which is set and left set; the other engines make no use of it.
-    bound, seed : float, int
-        For exact scores their error bound [%], and the seed of the rays near the girdle; the other engines
-        make no use of them.
-    measures, head : sequence of Measure, float
-        For exact scores what to measure besides the paper's, and half the angle at which the viewer's head is
-        seen from the stone, 0 to below 90 [deg]; the other engines make no use of them.
-    time_limit, memory_limit : float
-        What an exact score may take [s] (0.1 to 86400) and [GiB] (0.125 to 1024). Past them it ends with a
-        larger bound, and a note that says so. Polygons get three fifths of the time, those of maps as much
-        again. The other engines make no use of them.
-    progress : callable, optional
-        Called with the share done, 0 to 1.
+    measures : sequence of Measure
+        For exact scores what to measure besides the paper's; the other engines make no use of it.
     **short
-        Short forms: resolution, tilt, tilt_azimuth of the view, index, fresnel, rear, intensity,
-        max_reflections of the model (`gemrender.request.ShortForms`).
+        As of `ShortForms`.
+
+    Returns
+    -------
+    Observation
+        Maps (resolution, resolution), row 0 at the top; `plot`, `to_xarray`.
 
     Raises
     ------
@@ -190,6 +178,9 @@ def observe(
     BackendError
         The engine cannot run here.
     """
+    from gemrender.cuts import as_stone
+
+    stone = as_stone(stone)
     view, model = resolve(stone, view, model, short)
     require_engine(
         engine, variant, stones=[stone], bound=bound, time_limit=time_limit, memory_limit=memory_limit
@@ -261,8 +252,9 @@ def measure(
     return measured, view, model
 
 
+@spelt_out
 def trace_paths(
-    stone: Stone,
+    stone: StoneLike,
     *,
     follow: str = "principal",
     view: View | None = None,
@@ -277,20 +269,27 @@ def trace_paths(
 ) -> Paths:
     """Follow the light of a view of a stone, and return its paths.
 
+    The exact engine's rows are virtual facets, and, in independent sets (`set_number`), single rays for what
+    polygons do not tell. Those of the other engines are pixels' rays.
+
     Parameters
     ----------
-    stone : Stone
-        The stone.
     follow : {"principal", "all"}
         The light that is followed: the paper's, or all of it.
-    view, model, engine, variant, bound, progress, **short
-        As for `observe`. The exact engine's rows are virtual facets, and, in independent sets (`set_number`),
-        single rays for what polygons do not tell: so many that the paper's scores, and of all light `iso`
-        and `aset`, have the bound. Those of the other engines are pixels' rays.
+    bound : float
+        The exact engine adds single rays until the paper's scores, and of all light `iso` and `aset`, have
+        this bound [%].
     seed : int
         Seed of single rays, and of Mitsuba's random continuations.
     samples : int
         Mitsuba's rays a pixel: one through its centre, or several at random, each in a set of its own.
+    **short
+        As of `ShortForms`.
+
+    Returns
+    -------
+    Paths
+        Columns (n,) and (n, 3), a row a path; `to_pandas`, `to_xarray`.
 
     Raises
     ------
@@ -299,8 +298,10 @@ def trace_paths(
     BackendError
         The engine cannot run here.
     """
+    from gemrender.cuts import as_stone
     from gemrender.paths import FOLLOW
 
+    stone = as_stone(stone)
     if follow not in FOLLOW:
         raise InputError(f"must be one of {', '.join(FOLLOW)}", key="follow", value=follow)
     view, model = resolve(stone, view, model, short)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import TYPE_CHECKING, Any, Unpack, cast
 
 from gemrender.engines import (
     DEFAULT_ENGINE,
@@ -17,10 +17,11 @@ from gemrender.engines import (
     observe,
     require_engine,
 )
-from gemrender.request import ShortForms, resolve
+from gemrender.request import ShortForms, resolve, spelt_out
 from gemrender.scoring import Score, add_measures, chosen_or_none, score_observation
 
 if TYPE_CHECKING:
+    from gemrender.cuts import StoneLike
     from gemrender.measures import Measure
     from gemrender.measures.maps import MeasureMaps
     from gemrender.observation import Model, Observation, View
@@ -33,8 +34,9 @@ __all__ = ["measure_maps", "score_and_observation", "score_with_maps"]
 _REFERENCE_RAYS = 1 << 16
 
 
+@spelt_out
 def measure_maps(
-    stone: Stone,
+    stone: StoneLike,
     *,
     measures: str | Measure | Iterable[str | Measure],
     head: float = DEFAULT_HEAD,
@@ -57,16 +59,17 @@ def measure_maps(
 
     Parameters
     ----------
-    stone : Stone
-        The stone.
     measures : str, Measure, or iterable of them
         Names, several with commas between them, or measures of your own; `all` are all that have maps.
-    head : float
-        Half the angle at which the viewer's head is seen from the stone, 0 to below 90 [deg].
-    view, model, engine, variant, time_limit, memory_limit, progress, **short
-        As for `observe`.
     seed : int
         Seed of the random continuations.
+    **short
+        As of `ShortForms`.
+
+    Returns
+    -------
+    MeasureMaps
+        Maps (resolution, resolution, channels), row 0 at the top, and the values that they make.
 
     Raises
     ------
@@ -75,8 +78,10 @@ def measure_maps(
     BackendError
         The engine cannot run here.
     """
+    from gemrender.cuts import as_stone
     from gemrender.measures.maps import MapBuilder, mapped_measures
 
+    stone = as_stone(stone)
     chosen = mapped_measures(measures)
     check_head(head)
     view, model = resolve(stone, view, model, short)
@@ -134,7 +139,7 @@ def score_and_observation(
     observation = observe(stone, measures=chosen or (), head=head, **options)
     found = score_observation(observation)
     if chosen is not None and engine_for(engine, stone) != "exact":
-        found = add_measures(found, stone, engine, chosen, head, options)
+        found = add_measures(found, stone, engine, chosen, head, cast("Any", options))
     return found, observation
 
 

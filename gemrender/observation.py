@@ -6,13 +6,16 @@ import math
 from dataclasses import dataclass, field
 from enum import IntEnum
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
+from gemrender.cuts import StoneLike, as_stone
 from gemrender.errors import InputError
 from gemrender.measurement import Measurement, MeasureValues, bound_text
 from gemrender.optics.fresnel import FRESNEL_LAWS, GUBELIN_INDEX
 from gemrender.optics.materials import INDEX_RANGE, refractive_index
+from gemrender.shown import Shown, library, plots
 from gemrender.stone import Stone
 
 __all__ = [
@@ -116,7 +119,7 @@ class Model:
     @classmethod
     def of(
         cls,
-        stone: Stone,
+        stone: StoneLike,
         *,
         index: float | None = None,
         fresnel: str | None = None,
@@ -127,8 +130,10 @@ class Model:
         """Return the model for a stone.
 
         By default the index is that of its material, the law Gübelin's table for diamond and else Fresnel's,
-        and the rule for rear light the stone's own (`Stone.rear_rule`).
+        and the rule for rear light the stone's own (`Stone.rear_rule`). The stone may be what `load_stone`
+        takes.
         """
+        stone = as_stone(stone)
         if index is None:
             try:
                 index = refractive_index(stone.material)
@@ -190,9 +195,13 @@ class View:
 
     @classmethod
     def of(
-        cls, stone: Stone, resolution: int, *, tilt_deg: float = 0.0, tilt_azimuth_deg: float = 0.0
+        cls, stone: StoneLike, resolution: int, *, tilt_deg: float = 0.0, tilt_azimuth_deg: float = 0.0
     ) -> View:
-        """Return the view whose map just holds the stone; tilted, however it is turned."""
+        """Return the view whose map just holds the stone; tilted, however it is turned.
+
+        The stone may be what `load_stone` takes.
+        """
+        stone = as_stone(stone)
         half_width = max(stone.half_width, stone.reach) if tilt_deg else stone.half_width
         return cls(
             resolution=resolution,
@@ -232,8 +241,8 @@ def _basis(tilt_deg: float, azimuth_deg: float) -> np.ndarray:
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Observation:
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Observation(Shown):
     """Maps over a view of a stone, one value a pixel, row 0 at the top.
 
     Attributes
@@ -289,6 +298,42 @@ class Observation:
             array = getattr(self, name)
             if array.shape[:2] != self.view.shape:
                 raise ValueError(f"{name} must have shape {self.view.shape}, got {array.shape}")
+
+    def __repr__(self) -> str:
+        side, engine = self.view.resolution, " ".join(filter(None, (self.engine, self.variant)))
+        return f"<Observation of {self.stone.name!r}: {side} pixels a side, by {engine}>"
+
+    def to_xarray(self) -> Any:
+        """Return the maps as an xarray Dataset along `y` (from the top) and `x`; vectors along `axis` too.
+
+        x and y are places in the view [stone's unit]; `attrs` name the stone and what traced it.
+
+        Raises
+        ------
+        BackendError
+            xarray is not installed.
+        """
+        x, y = self.view.cell_centres()
+        maps = {name: getattr(self, name) for name in MAP_TYPES}
+        return library("xarray").Dataset(
+            {name: (("y", "x", "axis")[: values.ndim], values) for name, values in maps.items()},
+            coords={"x": x, "y": y, "axis": ["x", "y", "z"]},
+            attrs={"stone": self.stone.name, "engine": self.engine, "variant": self.variant},
+        )
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the map of intensity in its bands.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to; by default new axes in a figure of their own.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        return plots().plot_observation(self, ax)
 
 
 #: Type of each map of an Observation.

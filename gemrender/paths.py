@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 
-from gemrender.errors import BackendError
+from gemrender.shown import Shown, library
 from gemrender.stone import Stone
 
 __all__ = ["FOLLOW", "Paths", "library"]
@@ -19,8 +18,8 @@ __all__ = ["FOLLOW", "Paths", "library"]
 FOLLOW = ("principal", "all")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Paths:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class Paths(Shown):
     """Paths of light, one row a path, followed back from the eye: of a pixel, a ray, or a virtual facet.
 
     No tracer knows a measure, and no measure a tracer: measures are functions of these
@@ -91,6 +90,9 @@ class Paths:
     def __len__(self) -> int:
         return len(self.status)
 
+    def __repr__(self) -> str:
+        return f"<Paths of {self.stone.name!r}: {len(self)} paths>"
+
     def rows(self, chosen: np.ndarray) -> Paths:
         """Return some of the paths: those of numbers (k,), or where a mask (n,) is true."""
         columns = {field.name: getattr(self, field.name) for field in fields(self)}
@@ -158,17 +160,3 @@ class Paths:
             coords={"axis": ["x", "y", "z"]},
             attrs={"stone": self.stone.name},
         )
-
-
-def library(name: str) -> Any:
-    """Import a library that only some need.
-
-    Raises
-    ------
-    BackendError
-        It is not installed; with the cure.
-    """
-    try:
-        return importlib.import_module(name)
-    except ImportError as error:
-        raise BackendError(f"{name} is needed for this; to get it: pip install {name}") from error

@@ -1,19 +1,40 @@
-"""What is asked of a stone: a view and a model, or the short forms that make them."""
+"""What is asked of a stone: a view and a model, or the short forms that make them, and how it is traced."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypedDict
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, TypedDict, TypeVar
 
+from gemrender import signatures
 from gemrender.errors import InputError
 
 if TYPE_CHECKING:
     from gemrender.observation import Model, View
     from gemrender.stone import Stone
 
-__all__ = ["DEFAULT_RESOLUTION", "ShortForms", "resolve"]
+__all__ = [
+    "DEFAULT_BOUND",
+    "DEFAULT_HEAD",
+    "DEFAULT_MEMORY_LIMIT",
+    "DEFAULT_RESOLUTION",
+    "DEFAULT_TIME_LIMIT",
+    "DEFAULT_VARIANT",
+    "ShortForms",
+    "TraceOptions",
+    "resolve",
+    "spelt_out",
+]
 
 #: Pixels a side.
 DEFAULT_RESOLUTION = 1024
+DEFAULT_VARIANT = "llvm_ad_mono"
+#: Error bound of exact scores [%].
+DEFAULT_BOUND = 0.05
+#: Half the angle at which the viewer's head is seen from the stone [deg].
+DEFAULT_HEAD = 10.0
+#: What an exact score may take before it ends with a larger bound: time [s] and memory [GiB].
+DEFAULT_TIME_LIMIT = 5.0
+DEFAULT_MEMORY_LIMIT = 1.0
 
 _VIEW = ("resolution", "tilt", "tilt_azimuth")
 _MODEL = ("index", "fresnel", "rear", "intensity", "max_reflections")
@@ -22,20 +43,22 @@ _MODEL = ("index", "fresnel", "rear", "intensity", "max_reflections")
 class ShortForms(TypedDict, total=False):
     """Short forms of a view and a model: the same in every function and on the command line.
 
+    Keys
+    ----
     resolution : int
-        Pixels a side of the square map.
+        Pixels a side of the square map, 1 to 16384.
     tilt, tilt_azimuth : float
         Tilt of the eye from the stone's axis, 0 to below 90, and the azimuth it is tilted to [deg].
-    index : float
-        Refractive index; by default that of the stone's material.
-    fresnel : {"gubelin", "exact"} or None
+    index : float, optional
+        Refractive index, 1.05 to 4; by default that of the stone's material.
+    fresnel : {"gubelin", "exact"}, optional
         Transmittance law; by default Gübelin's table for diamond, Fresnel's equations for other stones.
-    rear : {"position", "facet", "direction"} or None
+    rear : {"position", "facet", "direction"}, optional
         What counts as rear light; by default "position" where the girdle's lower edge is level, else "facet".
     intensity : {"primary", "radiance"}
         The paper's measure, or radiance.
     max_reflections : int
-        Total reflections after which a ray counts as trapped.
+        Total reflections after which a ray counts as trapped, 1 to 1000000.
     """
 
     resolution: int
@@ -46,6 +69,90 @@ class ShortForms(TypedDict, total=False):
     rear: str | None
     intensity: str
     max_reflections: int
+
+
+class TraceOptions(ShortForms, total=False):
+    """How a stone is traced, whatever by; and the short forms.
+
+    Keys
+    ----
+    stone : Stone, str or path
+        The stone, or what `load_stone` takes: the name of a bundled one, or a file.
+    engine : {"auto", "exact", "mitsuba", "reference"}
+        Which tracer; "auto" is the exact one for convex stones, and Mitsuba for others.
+    head : float
+        Half the angle at which the viewer's head is seen from the stone, 0 to below 90 [deg].
+    view : View, optional
+        Where the eye is, and how many pixels a map has; by default what the short forms say: straight above,
+        unless there is a tilt.
+    model : Model, optional
+        The optical model; by default what the short forms say: that of the stone's material.
+    variant : str
+        Mitsuba variant, which is set and left set; the other engines make no use of it.
+    bound : float
+        Wanted error bound of exact scores, with a confidence of 99.9 % [%]; the other engines make no use of
+        it.
+    seed : int
+        Seed of the exact engine's rays near the girdle; the other engines make no use of it.
+    time_limit, memory_limit : float
+        What an exact score may take [s] (0.1 to 86400) and [GiB] (0.125 to 1024). Past them it ends with a
+        larger bound, and a note that says so. Polygons get three fifths of the time, those of maps as much
+        again. The other engines make no use of them.
+    progress : callable, optional
+        Called with the share done, 0 to 1.
+    """
+
+    view: View | None
+    model: Model | None
+    variant: str
+    bound: float
+    seed: int
+    time_limit: float
+    memory_limit: float
+    progress: Callable[[float], None] | None
+
+
+_SHORT_DEFAULTS: ShortForms = {
+    "resolution": DEFAULT_RESOLUTION,
+    "tilt": 0.0,
+    "tilt_azimuth": 0.0,
+    "index": None,
+    "fresnel": None,
+    "rear": None,
+    "intensity": "primary",
+    "max_reflections": 1000,
+}
+_TRACE_DEFAULTS: TraceOptions = {
+    "view": None,
+    "model": None,
+    "variant": DEFAULT_VARIANT,
+    "bound": DEFAULT_BOUND,
+    "seed": 1,
+    "time_limit": DEFAULT_TIME_LIMIT,
+    "memory_limit": DEFAULT_MEMORY_LIMIT,
+    "progress": None,
+    **_SHORT_DEFAULTS,
+}
+_TEXTS = {
+    name: text
+    for forms in (ShortForms, TraceOptions)
+    for name, text in signatures.parameter_texts(forms.__doc__).items()
+}
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+
+
+def spelt_out(function: _Function) -> _Function:
+    """Spell out `**short: Unpack[ShortForms]` or `**options: Unpack[TraceOptions]` in a function's help.
+
+    Its docstring need say nothing of parameters that mean the same as in `TraceOptions`.
+    """
+    has_short = any("ShortForms" in str(annotation) for annotation in function.__annotations__.values())
+    return signatures.spelt_out(
+        defaults=_SHORT_DEFAULTS if has_short else _TRACE_DEFAULTS,
+        texts=_TEXTS,
+        types=signatures.types_of(TraceOptions),
+    )(function)
 
 
 def resolve(stone: Stone, view: View | None, model: Model | None, short: ShortForms) -> tuple[View, Model]:
@@ -78,13 +185,14 @@ def resolve(stone: Stone, view: View | None, model: Model | None, short: ShortFo
         beside = [key for key in keys if key in short]
         if given is not None and beside:
             raise InputError(f"is given twice, by {name} and by itself", key=beside[0])
+    asked: ShortForms = {**_SHORT_DEFAULTS, **short}
     if view is None:
         view = View.of(
             stone,
-            short.get("resolution", DEFAULT_RESOLUTION),
-            tilt_deg=short.get("tilt", 0.0),
-            tilt_azimuth_deg=short.get("tilt_azimuth", 0.0),
+            asked["resolution"],
+            tilt_deg=asked["tilt"],
+            tilt_azimuth_deg=asked["tilt_azimuth"],
         )
     if model is None:
-        model = Model.of(stone, **{key: short[key] for key in _MODEL if key in short})  # type: ignore[literal-required]
+        model = Model.of(stone, **{key: asked[key] for key in _MODEL})  # type: ignore[literal-required]
     return view, model

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 from gemrender.engines import (
     DEFAULT_ENGINE,
@@ -16,11 +16,13 @@ from gemrender.engines import (
     trace_paths,
 )
 from gemrender.errors import InputError
-from gemrender.request import ShortForms
+from gemrender.request import ShortForms, TraceOptions, spelt_out
+from gemrender.shown import Shown, library, plots
 
 if TYPE_CHECKING:
     import numpy as np
 
+    from gemrender.cuts import StoneLike
     from gemrender.measures import Measure
     from gemrender.observation import Measurement, MeasureValues, Model, Observation, View
     from gemrender.stone import Stone
@@ -92,7 +94,7 @@ class FacetSizes:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Score:
+class Score(Shown):
     """The scores of one stone, in per cent.
 
     Attributes
@@ -171,6 +173,32 @@ class Score:
             values["measures"] = {of.name: of.to_dict() for of in measures}
         return {key: values.pop(key) for key in _CONTRACT} | values
 
+    def to_pandas(self) -> Any:
+        """Return a pandas DataFrame of one row, with the columns of `gemrender score --csv`.
+
+        Several scores make one table: `pandas.concat([a.to_pandas(), b.to_pandas()])`.
+
+        Raises
+        ------
+        BackendError
+            pandas is not installed.
+        """
+        return library("pandas").DataFrame([plots().score_record(self)])
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the shares of the view by intensity, as bars in the colours of maps.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to; by default new axes in a figure of their own.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+        """
+        return plots().plot_score(self, ax)
+
 
 def score_observation(observation: Observation) -> Score:
     """Score an observation: exactly where its engine did, else by its pixels (`score_pixels`)."""
@@ -229,33 +257,46 @@ def score_pixels(observation: Observation) -> Score:
     )
 
 
+@spelt_out
 def score(
-    stone: Stone,
+    stone: StoneLike,
     *,
     engine: str = DEFAULT_ENGINE,
     measures: str | Measure | Iterable[str | Measure] | None = None,
     head: float = DEFAULT_HEAD,
-    **options: Any,
+    **options: Unpack[TraceOptions],
 ) -> Score:
     """Trace a stone and score it.
 
+    ::
+
+        gemrender.score("inoue-3").average
+        gemrender.score("my-design.asc", measures="iso,aset", tilt=10)
+
     Parameters
     ----------
-    stone : Stone
-        The stone.
-    engine, **options
-        As for `observe`.
     measures : str, Measure, or iterable of them, optional
         What to measure besides the paper's score: names (`gemrender.measures`), several with commas between
         them, `all`, or measures of your own.
-    head : float
-        Half the angle at which the viewer's head is seen from the stone, 0 to below 90 [deg].
+    **options
+        As of `TraceOptions`.
+
+    Returns
+    -------
+    Score
+        Average, Rear and bands [%]; `to_dict`, `to_pandas`, `plot`.
 
     Raises
     ------
-    InputError, BackendError
-        As for `observe`; a measure that there is not, or that the engine cannot tell.
+    InputError
+        A value outside what is listed, a stone that the engine cannot trace, a measure that there is not, or
+        that the engine cannot tell.
+    BackendError
+        The engine cannot run here.
     """
+    from gemrender.cuts import as_stone
+
+    stone = as_stone(stone)
     chosen = chosen_or_none(measures)
     check_head(head)
     if engine_for(engine, stone) != "exact":
@@ -282,7 +323,7 @@ def add_measures(
     engine: str,
     measures: tuple[Measure, ...],
     head: float,
-    options: dict[str, Any],
+    options: TraceOptions,
 ) -> Score:
     """Return a score by pixels with what measures say of its engine's paths."""
     import numpy as np
@@ -298,10 +339,11 @@ def add_measures(
                 key="measures",
                 value=of.name,
             )
-    short: Any = {key: options[key] for key in ShortForms.__annotations__ if key in options}
-    view, model = resolve(stone, options.get("view"), options.get("model"), short)
+    given: Any = {**options}
+    short: Any = {key: given[key] for key in ShortForms.__annotations__ if key in given}
+    view, model = resolve(stone, given.get("view"), given.get("model"), short)
     tally = Tally(view, model, measures, head)
-    of_paths = {key: options[key] for key in ("variant", "seed", "progress") if key in options}
+    of_paths = {key: given[key] for key in ("variant", "seed", "progress") if key in given}
     sets = SETS if engine_for(engine, stone) == "mitsuba" else 1
     # As many rays, in sets: their scatter tells the error.
     coarser = replace(view, resolution=max(round(view.resolution / sets**0.5), 1))

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
-from gemrender.engines import DEFAULT_BOUND, DEFAULT_HEAD, engine_for, measure
+from gemrender.engines import DEFAULT_BOUND, DEFAULT_ENGINE, DEFAULT_HEAD, engine_for, measure
 from gemrender.errors import InputError
-from gemrender.request import ShortForms, resolve
+from gemrender.request import ShortForms, TraceOptions, resolve, spelt_out
 from gemrender.scoring import Score, chosen_or_none, score_measurement
 
 if TYPE_CHECKING:
@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
     import numpy as np
 
+    from gemrender.cuts import StoneLike
     from gemrender.measures import Measure
     from gemrender.observation import View
-    from gemrender.stone import Stone
 
 __all__ = ["EYE_DISTANCE", "EYE_SEPARATION", "StereoScore", "score_stereo"]
 
@@ -65,46 +65,59 @@ class StereoScore:
         return self.middle.to_dict() | {"stereo": stereo}
 
 
+@spelt_out
 def score_stereo(
-    stone: Stone,
+    stone: StoneLike,
     *,
+    engine: str = DEFAULT_ENGINE,
     measures: str | Measure | Iterable[str | Measure] | None = None,
     head: float = DEFAULT_HEAD,
     eye_separation: float = EYE_SEPARATION,
     eye_distance: float = EYE_DISTANCE,
-    bound: float = DEFAULT_BOUND,
-    seed: int = 1,
-    **options: Any,
+    **options: Unpack[TraceOptions],
 ) -> StereoScore:
     """Score a stone by the exact engine as two eyes see it.
 
     Parameters
     ----------
-    stone : Stone
-        The stone.
-    measures, head, bound, seed, **options
-        As for `gemrender.score`; the view is that from between the eyes.
+    engine : {"auto", "exact"}
+        The exact engine alone scores for two eyes.
+    measures : str, Measure, or iterable of them, optional
+        What to measure besides the paper's score, as for `gemrender.score`.
+    view : View, optional
+        The view from between the eyes; by default what the short forms say.
     eye_separation : float
         How far apart the eyes are, 0 to 200 [mm], along the view's x.
     eye_distance : float
         How far they are from the stone, 50 to 10000 [mm].
+    **options
+        As of `TraceOptions`.
+
+    Returns
+    -------
+    StereoScore
+        Three scores, and the share of the view on which the eyes disagree [%].
 
     Raises
     ------
     InputError
         As for `gemrender.score`; a stone that is not convex, or an eye below the horizon.
     """
+    from gemrender.cuts import as_stone
+
     for key, value, (low, high) in (
         ("eye_separation", eye_separation, _SEPARATIONS),
         ("eye_distance", eye_distance, _DISTANCES),
     ):
         if not low <= value <= high:
             raise InputError(f"must be from {low:g} to {high:g} [mm]", key=key, value=value)
-    engine = options.pop("engine", "auto")
+    stone = as_stone(stone)
     if engine_for(engine, stone) != "exact":
         raise InputError("must be exact for two eyes, and the stone convex", key="engine", value=engine)
-    short: Any = {key: options.pop(key) for key in list(options) if key in ShortForms.__annotations__}
-    view, model = resolve(stone, options.pop("view", None), options.pop("model", None), short)
+    given: dict[str, Any] = {**options}
+    short: Any = {key: given.pop(key) for key in list(given) if key in ShortForms.__annotations__}
+    view, model = resolve(stone, given.pop("view", None), given.pop("model", None), short)
+    bound, seed = options.get("bound", DEFAULT_BOUND), options.get("seed", 1)
     right, _, middle = view.basis()
     half = math.atan(0.5 * eye_separation / eye_distance)
     views = [
@@ -115,8 +128,7 @@ def score_stereo(
     for each in (view, *views):
         zenith = None if each is view else middle
         measured, _, _ = measure(
-            stone, view=each, model=model, measures=chosen or (), head=head, zenith=zenith, bound=bound,
-            seed=seed, **options,
+            stone, view=each, model=model, measures=chosen or (), head=head, zenith=zenith, **given,
         )  # fmt: skip
         scores.append(score_measurement(measured, stone, each, model, with_measures=chosen is not None))
     from gemrender.beam.solid import beam_stone

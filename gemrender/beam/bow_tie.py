@@ -14,8 +14,9 @@ from typing import Unpack
 import numpy as np
 
 from gemrender.beam.facets import FacetStatus, VirtualFacets, trace_facets
+from gemrender.cuts import StoneLike, as_stone
 from gemrender.measures.measure import TIE
-from gemrender.request import ShortForms
+from gemrender.request import ShortForms, spelt_out
 from gemrender.stone import Stone
 
 __all__ = ["HEAD_DEG", "BowTie", "Part", "area_in_sector", "belly_sectors", "bow_tie"]
@@ -76,23 +77,25 @@ class BowTie:
         return self.belly.dark - self.ends.dark
 
 
-def bow_tie(stone: Stone, *, head_deg: float = HEAD_DEG, **short: Unpack[ShortForms]) -> BowTie:
+@spelt_out
+def bow_tie(stone: StoneLike, *, head_deg: float = HEAD_DEG, **short: Unpack[ShortForms]) -> BowTie:
     """Return the dark shares of belly and ends of a convex stone, from straight above.
 
     Parameters
     ----------
-    stone : Stone
-        The stone, its length along y.
+    stone : Stone, str or path
+        The stone, its length along y; or what `load_stone` takes.
     head_deg : float
         Half the angle at which the head is seen [deg].
     **short
-        Short forms of the model, such as index.
+        As of `ShortForms`.
 
     Raises
     ------
     InputError
         The stone is not convex, or a short form is refused.
     """
+    stone = as_stone(stone)
     facets = trace_facets(stone, **short)
     cosine = facets.paths.exit_direction[:, 2]
     leaves = facets.status == FacetStatus.EXITED

@@ -6,7 +6,7 @@ from contextlib import nullcontext
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cached_property
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy as np
 
@@ -15,10 +15,12 @@ from gemrender.beam.polygons import EXITED, GIRDLE_CELL, TRAPPED, Traced, trace_
 from gemrender.beam.rules import Rules
 from gemrender.beam.solid import NO_WEDGE, BeamStone, beam_stone
 from gemrender.beam.unfold import in_common, unfolding
+from gemrender.cuts import StoneLike, as_stone
 from gemrender.measures import inoue
 from gemrender.observation import LIGHT_LEVEL, Model, RayStatus, View
 from gemrender.paths import Paths
-from gemrender.request import ShortForms, resolve
+from gemrender.request import ShortForms, resolve, spelt_out
+from gemrender.shown import Shown, library, plots
 from gemrender.stone import Stone
 
 __all__ = ["FacetStatus", "VirtualFacets", "kernel_rules", "polygon_paths", "trace_facets"]
@@ -36,8 +38,8 @@ class FacetStatus(IntEnum):
     GIRDLE = int(GIRDLE_CELL)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class VirtualFacets:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class VirtualFacets(Shown):
     """A view of a stone, cut into convex polygons of one path each.
 
     Where all light was followed there are more of them, behind the others: those of light that has been
@@ -107,6 +109,9 @@ class VirtualFacets:
     def __len__(self) -> int:
         return len(self.starts)
 
+    def __repr__(self) -> str:
+        return f"<VirtualFacets of {self.stone.name!r}: {len(self)} polygons>"
+
     @cached_property
     def primary_intensity(self) -> np.ndarray:
         """(n,) intensity of principal light by the model [%]; 0 for rear light, and where it is not known."""
@@ -140,6 +145,56 @@ class VirtualFacets:
             out.append(int(self.nodes[node, 1]))
             node = int(self.nodes[node, 0])
         return out[::-1]
+
+    def to_pandas(self) -> Any:
+        """Return a pandas DataFrame, one row a virtual facet: what it is, and what its light does.
+
+        Its columns: `kind` (`FacetStatus`, in lower case), `counted` (as `is_counted`), `corners` (their
+        number), `middle_x` and `middle_y` (mean of its corners), `primary_intensity` [%], `rear`, then those
+        of `Paths`; row i has the polygon `polygon(i)`.
+
+        Raises
+        ------
+        BackendError
+            pandas is not installed.
+        """
+        number = self.ends - self.starts
+        middle = np.add.reduceat(self.corners, self.starts) / number[:, None] if len(self) else self.corners
+        kinds = np.array([FacetStatus(status).name.lower() for status in range(len(FacetStatus))])
+        return library("pandas").DataFrame(
+            {
+                "kind": kinds[self.status],
+                "counted": self.is_counted,
+                "corners": number,
+                "middle_x": middle[:, 0],
+                "middle_y": middle[:, 1],
+                "primary_intensity": self.primary_intensity,
+                "rear": self.rear_mask,
+                **self.paths.to_dict(),
+            }
+        )
+
+    def plot(self, ax: Any = None, *, colour: str = "intensity") -> Any:
+        """Draw the virtual facets as the polygons that they are; what no polygon tells is hatched.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to; by default new axes in a figure of their own.
+        colour : {"intensity", "reflections", "facet"}
+            What the colours tell: the band of intensity, the number of total reflections, or the kind of
+            facet through which the light comes in.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            Another word.
+        """
+        return plots().plot_facets(self, ax, colour)
 
     def images(self) -> np.ndarray:
         """Return the number of virtual facets of the whole view that each stands for, (n,) int64.
@@ -229,8 +284,9 @@ def _unfolded_normals(polygons: Traced, planes: np.ndarray, unfolding: np.ndarra
     return np.asarray((unfolding[polygons.nodes[node, 0]] * planes[leaves, None, :3]).sum(axis=2))
 
 
+@spelt_out
 def trace_facets(
-    stone: Stone | BeamStone,
+    stone: StoneLike | BeamStone,
     *,
     view: View | None = None,
     model: Model | None = None,
@@ -243,12 +299,10 @@ def trace_facets(
 
     Parameters
     ----------
-    stone : Stone or BeamStone
-        The stone.
+    stone : Stone, str, path or BeamStone
+        The stone, or what `load_stone` takes; it must be convex.
     view : View, optional
         Where the eye is; by default straight above. Its resolution does not matter.
-    model : Model, optional
-        The optical model; by default that of the stone's material.
     whole : bool
         Whether to trace the whole view, or, of a symmetric stone from straight above, a part.
     least : float
@@ -258,14 +312,19 @@ def trace_facets(
         Time and memory to keep to: what is not followed to its end within them becomes girdle cells. Without
         one there are no limits, and a few stones of a high index take minutes and gigabytes.
     **short
-        Short forms of view and model, such as tilt (`gemrender.request.ShortForms`).
+        As of `ShortForms`.
+
+    Returns
+    -------
+    VirtualFacets
+        Polygons, each with its path; `plot`, `to_pandas`.
 
     Raises
     ------
     InputError
         The stone is not convex, or a short form is refused.
     """
-    convex = stone if isinstance(stone, BeamStone) else beam_stone(stone)
+    convex = stone if isinstance(stone, BeamStone) else beam_stone(as_stone(stone))
     if short:
         view, model = resolve(convex.stone, view, model, short)
     view = view or View(resolution=1)

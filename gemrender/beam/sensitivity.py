@@ -19,6 +19,7 @@ from gemrender.beam.by_tiers import by_tiers, tier_planes
 from gemrender.beam.derivatives import Derivative, Sensitivity, ValueSlope
 from gemrender.beam.measure import check_bound
 from gemrender.beam.totals import facet_totals
+from gemrender.cuts import StoneLike, as_stone
 from gemrender.cuts.design import Design
 from gemrender.cuts.families.family import Family
 from gemrender.errors import InputError
@@ -27,7 +28,7 @@ from gemrender.measures.registry import chosen_measures
 from gemrender.measures.registry import measures as all_measures
 from gemrender.measures.tally import Tally
 from gemrender.observation import Model, View
-from gemrender.request import ShortForms, resolve
+from gemrender.request import ShortForms, resolve, spelt_out
 from gemrender.stone import Stone
 
 __all__ = [
@@ -99,8 +100,9 @@ def smooth_measures(chosen: str | Measure | Iterable[str | Measure]) -> tuple[Me
     return found
 
 
+@spelt_out
 def sensitivity(
-    stone: Stone,
+    stone: StoneLike,
     *,
     view: View | None = None,
     model: Model | None = None,
@@ -124,10 +126,9 @@ def sensitivity(
 
     Parameters
     ----------
-    stone : Stone
-        A stone made from proportions or angles, from the parameters of a family, or from a design.
-    view, model
-        As for `measure`.
+    stone : Stone, str or path
+        A stone made from proportions or angles, from the parameters of a family, or from a design; or what
+        `load_stone` takes.
     seed : int
         Seed of the rays near the girdle.
     bound : float
@@ -136,20 +137,21 @@ def sensitivity(
         part, and none that time is not left for.
     time_limit, memory_limit : float
         What it may take [s], [GiB].
-    progress : callable, optional
-        Called with the share done, 0 to 1.
     measures : str, Measure, or iterable of them
         Further measures (`smooth_measures`); `all` for all of them that can be differentiated. Of all light
         polygons tell the derivative exactly down to a least share of the view (1e-8 for most stones), and
         rays that of the rest, with its bound (`later`); measures over all views are difference quotients of
         rays, with theirs (`hemisphere_slopes`).
-    head : float
-        Half the angle at which the viewer's head is seen from the stone, 0 to below 90 [deg].
     meets : {"free", "loose", "kept"}
         Of designs, what becomes of meet points where a tier changes: its other number and all other tiers
         stay; or it turns about the middle of its facets; or other tiers follow (`gemrender.cuts.meets`).
     **short
-        Short forms of view and model, such as tilt (`gemrender.request.ShortForms`).
+        As of `ShortForms`.
+
+    Returns
+    -------
+    Sensitivity
+        The scores [%], and their derivatives [% per % or % per deg], each with its bound.
 
     Raises
     ------
@@ -158,6 +160,7 @@ def sensitivity(
         of range, or the stone falls into more virtual facets than can be differentiated within the limits.
     """
     start = time.perf_counter()
+    stone = as_stone(stone)
     check_differentiable(stone)
     wanted = check_bound(bound)
     view, model = resolve(stone, view, model, short)

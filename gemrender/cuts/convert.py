@@ -13,6 +13,7 @@ from gemrender.cuts.asc import write_asc
 from gemrender.cuts.design import MOST_FACETS, Design
 from gemrender.cuts.gcs import write_gcs
 from gemrender.cuts.gem import write_gem
+from gemrender.cuts.given import StoneLike, as_stone
 from gemrender.cuts.mesh_files import MESH_KINDS, write_mesh
 from gemrender.cuts.round_girdle import girdle_planes
 from gemrender.cuts.tiers import gear_of, tiers_of
@@ -34,13 +35,13 @@ FEWEST_PIECES = 90
 LEAST_DISTANCE = 0.01
 
 
-def save_stone(stone: Stone, path: str | os.PathLike[str], *, kind: str | None = None) -> tuple[str, ...]:
+def save_stone(stone: StoneLike, path: str | os.PathLike[str], *, kind: str | None = None) -> tuple[str, ...]:
     """Write a stone to a file, whole or not at all; a file that is there is replaced.
 
     Parameters
     ----------
-    stone : Stone
-        The stone.
+    stone : Stone, str or path-like
+        The stone, or what `load_stone` takes.
     path : str or path-like
         The file: a design (.asc, .gem, .gcs), a mesh (.stl, .obj, .ply, .glb), or the 57 vertices of a round
         brilliant (.csv).
@@ -59,7 +60,7 @@ def save_stone(stone: Stone, path: str | os.PathLike[str], *, kind: str | None =
     BackendError
         A library that the kind needs is not installed; says the cure.
     """
-    file = Path(path)
+    stone, file = as_stone(stone), Path(path)
     kind = kind or file.suffix.lower().lstrip(".")
     with located_at(str(file)):
         if kind not in WRITTEN_KINDS:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import os
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import fields, replace
 from decimal import Decimal, InvalidOperation
@@ -15,7 +14,7 @@ import numpy as np
 
 from gemrender.cuts.families import families
 from gemrender.cuts.families.family import Family
-from gemrender.cuts.files import load_stone
+from gemrender.cuts.given import StoneLike, as_stone
 from gemrender.cuts.round_brilliant.proportions import (
     RANGES,
     RoundBrilliant,
@@ -228,9 +227,7 @@ class Variations(Stones):
         return varied(self._base, self._setting(i))
 
 
-def vary(
-    stone: Stone | str | os.PathLike[str], settings: Iterable[str | tuple[str, Sequence[Value]]]
-) -> Variations:
+def vary(stone: StoneLike, settings: Iterable[str | tuple[str, Sequence[Value]]]) -> Variations:
     """Return a stone with every combination of the values that are set.
 
     What is not set stays as the stone file has it: where its crown is given by the angle ([angles],
@@ -255,7 +252,7 @@ def vary(
         A setting that cannot be, two for one thing, more than `MOST_VARIATIONS` stones, a value that makes no
         stone, or proportions set for a measured stone.
     """
-    base = stone if isinstance(stone, Stone) else load_stone(stone)
+    base = as_stone(stone)
     keys = settings_of(base)
     axes: dict[str, Sequence[Value]] = {}
     for setting in settings:

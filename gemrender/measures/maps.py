@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -14,13 +15,14 @@ from gemrender.measures.measure import HEAD_DEG, Light, Measure
 from gemrender.measures.registry import chosen_measures, measures
 from gemrender.observation import Model, View
 from gemrender.paths import Paths
+from gemrender.shown import Shown, library, plots
 from gemrender.stone import Stone
 
 __all__ = ["MapBuilder", "MeasureMaps", "channel_names", "has_map", "mapped_measures"]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class MeasureMaps:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
+class MeasureMaps(Shown):
     """Maps of measures over a view of a stone, row 0 at the top.
 
     Attributes
@@ -56,6 +58,10 @@ class MeasureMaps:
     variant: str
     seconds: float
 
+    def __repr__(self) -> str:
+        names = ", ".join(of.name for of in self.measures)
+        return f"<MeasureMaps of {self.stone.name!r}: {names}; {self.view.resolution} pixels a side>"
+
     def __getitem__(self, measure: str) -> np.ndarray:
         """Return the map of a measure, (h, w, k)."""
         return self.maps[measure]
@@ -67,6 +73,49 @@ class MeasureMaps:
             for measure in self.measures
             for k, name in enumerate(channel_names(measure))
         }
+
+    def to_xarray(self) -> Any:
+        """Return the channels as an xarray Dataset along `y` (from the top) and `x`, and `coverage`.
+
+        Both are places in the view [stone's unit]; `attrs` name the stone, and hold the measures' values.
+
+        Raises
+        ------
+        BackendError
+            xarray is not installed.
+        """
+        x, y = self.view.cell_centres()
+        maps = {**self.channels(), "coverage": self.coverage}
+        return library("xarray").Dataset(
+            {name: (("y", "x"), values) for name, values in maps.items()},
+            coords={"x": x, "y": y},
+            attrs={
+                "stone": self.stone.name,
+                "engine": self.engine,
+                **{f"{of}.{key}": value for of, told in self.values.items() for key, value in told.items()},
+            },
+        )
+
+    def plot(self, ax: Any = None, *, measure: str | None = None) -> Any:
+        """Draw the map of a measure.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to; by default new axes in a figure of their own.
+        measure : str, optional
+            Its name; by default the first.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            No map of such a measure.
+        """
+        return plots().plot_map(self, ax, measure)
 
 
 def channel_names(measure: Measure) -> tuple[str, ...]:

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
+from inspect import signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias, Union
+from typing import TYPE_CHECKING, TypeAlias, TypedDict, Union, Unpack
+
+from gemrender import signatures
 
 if TYPE_CHECKING:
+    from gemrender.cuts import StoneLike
     from gemrender.render.picture import Picture
     from gemrender.scene.setup import Setup
-    from gemrender.stone import Stone
 
-__all__ = ["Stones", "render", "render_film"]
+__all__ = ["FilmOptions", "Stones", "render", "render_film"]
 
 #: A stone, the name of a bundled one, a stone file; or several of them, from left to right.
-Stones: TypeAlias = Union["Stone", str, os.PathLike[str], Sequence[Union["Stone", str, os.PathLike[str]]]]
+Stones: TypeAlias = Union["StoneLike", "Sequence[StoneLike]"]
 
 
 def render(
@@ -160,6 +163,36 @@ def render(
     return shot.picture(on_pass=on_pass, progress=progress)
 
 
+class FilmOptions(TypedDict, total=False):
+    """What `render` takes that a film takes too; told there."""
+
+    material: str | float | None
+    carat: float | None
+    diameter: float | None
+    setting: str | None
+    metal: str | None
+    girdle: str | None
+    size: int | str | Sequence[int]
+    aspect: str | Sequence[float] | None
+    quality: str | None
+    spp: int | None
+    noise: float | None
+    time: float | None
+    dispersion: bool
+    turn: float
+    seed: int
+    variant: str
+    background: str
+    denoise: bool
+    exposure: float
+    curve: str | None
+
+
+@signatures.spelt_out(
+    defaults={name: signature(render).parameters[name].default for name in FilmOptions.__annotations__},
+    texts=signatures.parameter_texts(render.__doc__),
+    types=signatures.types_of(FilmOptions),
+)
 def render_film(
     stone: Stones,
     path: str | os.PathLike[str],
@@ -170,7 +203,7 @@ def render_film(
     move: str = "turntable",
     to: float | None = None,
     progress: Callable[[float], None] | None = None,
-    **options: Any,
+    **options: Unpack[FilmOptions],
 ) -> Path:
     """Render a film of stones that move, and return its path.
 
@@ -179,8 +212,6 @@ def render_film(
 
     Parameters
     ----------
-    stone, setup
-        As for `render`.
     path : path
         The film, in a folder that is there: .mp4, .gif or .webp.
     frames : int
@@ -191,10 +222,15 @@ def render_film(
         One turn about the vertical; to and fro from side to side; or to the camera and away from it.
     to : float, optional
         How far stones are rocked or tilted, either way [deg]; by default 15.
-    progress : callable, optional
-        Called with the share that is done.
+    time : float, optional
+        Time of each frame [s]; at least one pass is rendered.
     **options
-        Further options of `render`, but `bins`, `range` and `on_pass`; `time` is that of each frame.
+        As of `render`.
+
+    Returns
+    -------
+    Path
+        The film.
 
     Raises
     ------

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from gemrender.cuts import load_stone
+from gemrender.cuts import as_stone
 from gemrender.errors import InputError
 from gemrender.optics.metals import METALS
 from gemrender.reading import did_you_mean
@@ -311,7 +311,7 @@ def _stones(given: Stones) -> list[Stone]:
     named: list[Any] = [given] if one else list(given)  # type: ignore[arg-type]
     if not named:
         raise InputError("missing: one stone or more", key="stone")
-    return [each if isinstance(each, Stone) else load_stone(_path("stone", each)) for each in named]
+    return [as_stone(each) for each in named]
 
 
 def _bins(bins: int | None, among: str | Sequence[float]) -> tuple[float, ...] | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import textwrap
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -16,9 +17,15 @@ from gemrender.observation import Model, View, bound_text
 from gemrender.report.dimensions import length_unit
 from gemrender.report.displays.page import PAPER, Page
 from gemrender.report.displays.projection import Projection, look_at
-from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR, draw_scales
+from gemrender.report.figures import (
+    BAND_COLOURS,
+    REAR_COLOUR,
+    UNSOLVED_COLOUR,
+    colour_numbers,
+    draw_scales,
+)
 from gemrender.report.palettes import exit_colours
-from gemrender.report.tables import LEAST_SHOWN, band_name, how_text, model_text
+from gemrender.report.tables import LEAST_SHOWN, band_names, how_text, model_text
 from gemrender.scoring import BAND_EDGES, FacetSizes, Score, score_measurement
 from gemrender.stone import Stone
 
@@ -28,7 +35,18 @@ if TYPE_CHECKING:
 
     from gemrender.beam import VirtualFacets
 
-__all__ = ["COLOURS", "GIRDLE_COLOUR", "REFLECTION_COLOURS", "check_colour", "facets_figure"]
+__all__ = [
+    "COLOURS",
+    "GIRDLE_COLOUR",
+    "REFLECTION_COLOURS",
+    "FacetClasses",
+    "check_colour",
+    "draw_facets",
+    "edge_colours",
+    "facet_classes",
+    "facets_figure",
+    "silhouette",
+]
 
 #: What the colours may tell.
 COLOURS = ("intensity", "reflections", "facet")
@@ -70,7 +88,7 @@ _TITLES = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Classes:
+class FacetClasses:
     """The virtual facets that are drawn, in classes of one colour.
 
     Attributes
@@ -149,7 +167,7 @@ def facets_figure(
     result = score_measurement(measured, stone, view, model)
     if facets.parts > 1:
         facets = trace_facets(stone, view=view, model=model, budget=budget.anew())
-    classes = _classes(facets, colour, result)
+    classes = facet_classes(facets, colour)
 
     page = Page(
         stone,
@@ -160,7 +178,7 @@ def facets_figure(
     page.figure.set_dpi(_DPI)
     scale = _MAP / (2 * view.half_width)
     axes = page.view(_LEFT, _BOTTOM, _MAP, _MAP, scale=scale, centre=(0.0, 0.0))
-    _draw_facets(axes, facets, classes, scale)
+    draw_facets(axes, facets, classes, scale)
     draw_scales(axes, length_unit(stone), tilted=view.tilt_deg != 0, font_size=12)
     panel = page.axes(_LEFT + _MAP + _GAP, _PANEL_BOTTOM, _PANEL, _BOTTOM + _MAP - _PANEL_BOTTOM)
     shares = 100.0 * facets.area[classes.drawn] / measured.area
@@ -173,15 +191,23 @@ def facets_figure(
 # ---- What the colours tell -----------------------------------------------------------------------------
 
 
-def _classes(facets: VirtualFacets, colour: str, result: Score) -> _Classes:
-    """Sort the virtual facets that count as such: neither girdle cells nor slivers of rounding."""
+def facet_classes(facets: VirtualFacets, colour: str) -> FacetClasses:
+    """Sort the virtual facets that count as such: neither girdle cells nor slivers of rounding.
+
+    Parameters
+    ----------
+    facets : VirtualFacets
+        The virtual facets.
+    colour : str
+        What the colours tell, one of `COLOURS`.
+    """
     from gemrender.beam.facets import FacetStatus
 
     drawn = np.flatnonzero(facets.is_counted)
     rear = facets.rear_mask[drawn]
     colours: tuple[str, ...]
     if colour == "intensity":
-        names = [f"{band_name(band, typeset=True)} %" for band in result.bands]
+        names = [f"{name} %" for name in band_names(typeset=True)]
         of = np.digitize(facets.primary_intensity[drawn], BAND_EDGES[:-1])  # decreasing: 0 is brightest
         of[rear] = len(names)
         names.append("Rear")
@@ -199,7 +225,7 @@ def _classes(facets: VirtualFacets, colour: str, result: Score) -> _Classes:
         names = [f"{name}{ending}" for ending in ("", ", rear") for name in kinds.names]
         colours = tuple(pair[dark] for dark in (0, 1) for pair in kinds.colours)
     of = np.where(facets.status[drawn] == FacetStatus.TRAPPED, len(names), of)
-    return _Classes(
+    return FacetClasses(
         drawn=drawn,
         of=of,
         colours=(*colours, UNSOLVED_COLOUR),
@@ -215,7 +241,7 @@ def _quantity(colour: str, model: Model) -> str:
 
 
 def _rows(
-    classes: _Classes, shares: np.ndarray, result: Score, some_left_over: bool
+    classes: FacetClasses, shares: np.ndarray, result: Score, some_left_over: bool
 ) -> list[tuple[str, str, float]]:
     """Return the legend: colours, names and shares of the view [%]; what no polygon tells comes last."""
     n = len(classes.names)
@@ -237,18 +263,31 @@ def _rows(
 # ---- The picture ---------------------------------------------------------------------------------------
 
 
-def _draw_facets(axes: Axes, facets: VirtualFacets, classes: _Classes, scale: float) -> None:
-    """Draw the stone's outline, hatched within, and the virtual facets onto it."""
+def draw_facets(
+    axes: Axes, facets: VirtualFacets, classes: FacetClasses, scale: float, *, clips: bool = False
+) -> None:
+    """Draw the stone's outline, hatched within, and the virtual facets onto it.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+        Where to, in the stone's units.
+    facets, classes : VirtualFacets, FacetClasses
+        What to draw.
+    scale : float
+        Inches a unit, which the edges of narrow facets go by.
+    clips : bool
+        Whether what lies beyond the axes is cut off, as where one may zoom in.
+    """
     from matplotlib.collections import PolyCollection
-    from matplotlib.colors import to_rgb
     from matplotlib.patches import Polygon
 
-    outline = _silhouette(facets.stone, facets.view)
-    axes.add_patch(Polygon(outline, gid="near-the-girdle", clip_on=False, zorder=1, **_HATCHED))
+    outline = silhouette(facets.stone, facets.view)
+    axes.add_patch(Polygon(outline, gid="near-the-girdle", clip_on=clips, zorder=1, **_HATCHED))
 
-    colours = np.array([to_rgb(colour) for colour in classes.colours])
-    dark = _luminance(colours) < _DARK
-    edges = np.where(dark[:, None], colours + _TINT * (1.0 - colours), (1.0 - _SHADE) * colours)
+    colours = colour_numbers(*classes.colours) / 255.0
+    edges = colour_numbers(*edge_colours(classes.colours)) / 255.0
+    dark = _luminance(classes.colours) < _DARK
     # Dark ones first: between a light and a dark one, it is the dark edge that is seen.
     order = np.argsort(~dark[classes.of], kind="stable")
     drawn, of = classes.drawn[order], classes.of[order]
@@ -261,15 +300,15 @@ def _draw_facets(axes: Axes, facets: VirtualFacets, classes: _Classes, scale: fl
         edgecolors=edges[of],
         linewidths=np.minimum(_EDGE, _EDGE_SHARE * across),
         joinstyle="bevel",  # miters of slivers would reach far
-        clip_on=False,
+        clip_on=clips,
         gid="virtual-facets",
         zorder=2,
     )
     axes.add_collection(collection, autolim=False)
-    axes.add_patch(Polygon(outline, fill=False, edgecolor=PAPER.ink, linewidth=0.9, clip_on=False, zorder=3))
+    axes.add_patch(Polygon(outline, fill=False, edgecolor=PAPER.ink, linewidth=0.9, clip_on=clips, zorder=3))
 
 
-def _silhouette(stone: Stone, view: View) -> np.ndarray:
+def silhouette(stone: Stone, view: View) -> np.ndarray:
     """Return the outline of a convex stone in the view, (n, 2) [stone's unit]."""
     right, up, _ = view.basis()
     lines = look_at(stone, Projection(name="", right=right, up=up)).outline
@@ -278,9 +317,20 @@ def _silhouette(stone: Stone, view: View) -> np.ndarray:
     return np.asarray(points[np.argsort(np.arctan2(around[:, 1], around[:, 0]))])
 
 
-def _luminance(colours: np.ndarray) -> np.ndarray:
-    """Return the relative luminance of sRGB colours (n, 3), (n,) from 0 to 1 (IEC 61966-2-1)."""
-    linear = np.where(colours <= 0.04045, colours / 12.92, ((colours + 0.055) / 1.055) ** 2.4)
+def edge_colours(colours: Sequence[str]) -> list[str]:
+    """Return the colours of the edges of facets of each colour: darker ones, of dark facets lighter ones."""
+    from matplotlib.colors import to_hex
+
+    numbers = colour_numbers(*colours) / 255.0
+    dark = (_luminance(colours) < _DARK)[:, None]
+    edges = np.where(dark, numbers + _TINT * (1.0 - numbers), (1.0 - _SHADE) * numbers)
+    return [to_hex(edge) for edge in edges]
+
+
+def _luminance(colours: Sequence[str]) -> np.ndarray:
+    """Return the relative luminance of sRGB colours, (n,) from 0 to 1 (IEC 61966-2-1)."""
+    numbers = colour_numbers(*colours) / 255.0
+    linear = np.where(numbers <= 0.04045, numbers / 12.92, ((numbers + 0.055) / 1.055) ** 2.4)
     return np.asarray(linear @ np.array([0.2126, 0.7152, 0.0722]))
 
 

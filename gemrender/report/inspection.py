@@ -24,6 +24,7 @@ __all__ = [
     "DEFAULT_SIZE_MM",
     "Inspection",
     "check_size",
+    "figures_of_stone",
     "inspect_stone",
     "inspection_records",
     "inspection_tables",
@@ -190,7 +191,7 @@ def inspection_tables(inspections: Sequence[Inspection]) -> list[TextTable]:
     tables = []
     for found in inspections:
         figures = TextTable([Column(found.name, is_text=True), Column("", is_text=True, wraps=True)])
-        figures.rows += _figures(found)
+        figures.rows += figures_of_stone(found)
         for words in (*found.notes, *(f"taken: {words}" for words in taken_lines(found.assumed))):
             figures.note(f"{found.name}: {words}.", "yellow")
         tables += [figures, _tier_table(found)]
@@ -202,7 +203,8 @@ def inspection_tables(inspections: Sequence[Inspection]) -> list[TextTable]:
     return tables
 
 
-def _figures(found: Inspection) -> list[list[str]]:
+def figures_of_stone(found: Inspection) -> list[list[str]]:
+    """Return what a stone is in words: a name and a text a row."""
     d = found.dimensions
     girdle = d["girdle_thickness"]
     size = f"{found.length_mm:.2f} x {found.width_mm:.2f} x {found.depth_mm:.2f} mm"

@@ -11,7 +11,7 @@ from typing import Any
 from gemrender.crosscheck import CrossCheck
 from gemrender.observation import bound_text
 from gemrender.report.formats import Cell, Column, TextTable
-from gemrender.scoring import Band, Score
+from gemrender.scoring import BAND_EDGES, Band, Score
 from gemrender.stereo import StereoScore
 
 #: Smallest share that is told of what should be nothing at all [%].
@@ -21,6 +21,7 @@ __all__ = [
     "LEAST_SHOWN",
     "band_key",
     "band_name",
+    "band_names",
     "crosscheck_record",
     "crosscheck_tables",
     "how_text",
@@ -40,6 +41,15 @@ def band_name(band: Band, *, typeset: bool = False) -> str:
     """Return a band's name [%], such as ">= 75" or "60-75"; typeset with the signs that print has for it."""
     name = f">= {band.low:g}" if band.high is None else f"{band.low:g}-{band.high:g}"
     return name.replace(">=", "≥").replace("-", "–") if typeset else name
+
+
+def band_names(*, typeset: bool = False) -> list[str]:
+    """Return the names of all bands, brightest first."""
+    above = (None, *BAND_EDGES[:-1])
+    return [
+        band_name(Band(low=low, high=high, share=0.0), typeset=typeset)
+        for low, high in zip(BAND_EDGES, above, strict=True)
+    ]
 
 
 def band_key(band: Band) -> str:

@@ -356,6 +356,11 @@ class Setup:
 def load_setup(setup: str | os.PathLike[str]) -> Setup:
     """Load a set-up from a TOML file, or a bundled one by its name.
 
+    Parameters
+    ----------
+    setup : str or path-like
+        The file, or a name of `bundled_setups`; a file of that name wins over the bundled set-up.
+
     Raises
     ------
     InputError

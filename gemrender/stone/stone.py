@@ -9,6 +9,7 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 
 from gemrender.errors import InputError
+from gemrender.shown import Shown, plots
 from gemrender.stone.facets import LEVEL, Facet
 from gemrender.stone.frame import lower_edge
 from gemrender.stone.planes import mean_planes
@@ -37,7 +38,7 @@ _T = TypeVar("_T", bound="Stone")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Stone:
+class Stone(Shown):
     """A solid with named facets.
 
     Lengths are in the stone's own unit, in its frame: z along the axis, table up. Round brilliants: the
@@ -200,6 +201,27 @@ class Stone:
         if self.known_symmetry is not None:
             return self.known_symmetry
         return find_symmetry(self.solid) if isinstance(self.solid, ConvexSolid) else NONE
+
+    def plot(self, ax: Any = None, *, view: str = "crown") -> Any:
+        """Draw a view of the stone: its edges, the outline in a heavier line.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to; by default new axes in a figure of their own.
+        view : {"crown", "pavilion", "side", "oblique"}
+            From where.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            Another word.
+        """
+        return plots().plot_stone(self, ax, view)
 
     # ---- Others like it ----
 

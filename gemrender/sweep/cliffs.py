@@ -19,6 +19,7 @@ from gemrender.beam.by_proportions import PROPORTIONS
 from gemrender.beam.by_tiers import KEPT_BY_WAY, design_unit, parameters_of_stone
 from gemrender.beam.measure import measure
 from gemrender.beam.sensitivity import check_differentiable
+from gemrender.cuts import StoneLike, as_stone
 from gemrender.cuts.design import Design
 from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.parameters import unit_of
@@ -30,7 +31,7 @@ from gemrender.errors import InputError
 from gemrender.measures.measure import HEAD_DEG, Measure
 from gemrender.measures.registry import chosen_measures
 from gemrender.observation import Model, View
-from gemrender.request import ShortForms, resolve
+from gemrender.request import ShortForms, resolve, spelt_out
 from gemrender.stone import Stone
 
 __all__ = ["Cliff", "Jump", "Parameter", "check_reach", "find_cliffs", "parameters_of"]
@@ -140,8 +141,9 @@ def check_reach(reach: float | None, threshold: float = THRESHOLD) -> None:
             raise InputError("must be a number above 0", key=key, value=number)
 
 
+@spelt_out
 def find_cliffs(
-    stone: Stone,
+    stone: StoneLike,
     parameters: Sequence[str | Parameter] | None = None,
     *,
     measures: str | Measure | Iterable[str | Measure] = "inoue",
@@ -161,15 +163,14 @@ def find_cliffs(
 
     Parameters
     ----------
-    stone : Stone
-        A stone made from proportions or angles, from the parameters of a family, or from a design.
+    stone : Stone, str or path
+        A stone made from proportions or angles, from the parameters of a family, or from a design; or what
+        `load_stone` takes.
     parameters : sequence of str or Parameter, optional
         Their names (`parameters_of`), or parameters of your own; by default all.
     measures : str, Measure, or iterable of them
         What to look at, as `gemrender.measures.chosen_measures` takes it. Values in per cent tell where a
         jump is, but for bands of intensity; of all of them its size is told.
-    view, model, bound, seed, head
-        As for `gemrender.score`; rays near a round girdle are the same on both sides of a jump.
     reach : float, optional
         How far to look [% or deg]; by default 1 deg, 2 %, or 0.05 of a ratio.
     threshold : float
@@ -178,10 +179,10 @@ def find_cliffs(
         The values that tell where a jump is, as "aset.leak"; by default all in per cent, but for bands.
     meets : {"free", "loose", "kept"}
         Of designs, what becomes of meet points, as for `gemrender.sensitivity`.
-    progress : callable, optional
-        Called with the share done, 0 to 1.
+    seed : int
+        Seed of rays near a round girdle: the same ones on both sides of a jump.
     **short
-        Short forms of view and model, such as tilt (`gemrender.request.ShortForms`).
+        As of `ShortForms`.
 
     Returns
     -------
@@ -198,6 +199,7 @@ def find_cliffs(
     Two jumps within one step, a fiftieth of the reach, that cancel each other are not seen, nor is one that a
     steep slope the other way hides by half of the threshold.
     """
+    stone = as_stone(stone)
     check_reach(reach, threshold)
     chosen = chosen_measures(measures)
     counts = np.array([_counts(of.unit, key) for of in chosen for key in of.keys])

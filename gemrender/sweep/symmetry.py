@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from gemrender.cuts import StoneLike, as_stone
 from gemrender.engines import DEFAULT_ENGINE, engine_for
 from gemrender.errors import InputError
 from gemrender.journal import Journal
@@ -96,7 +97,7 @@ def draw_stone(stone: Stone, tilt_deg: float, jitter: float, seed: int, number: 
 
 
 def study_symmetry(
-    stone: Stone,
+    stone: StoneLike,
     *,
     tilt_deg: float = 0.5,
     jitter: float = 0.0,
@@ -111,8 +112,8 @@ def study_symmetry(
 
     Parameters
     ----------
-    stone : Stone
-        The stone.
+    stone : Stone, str or path
+        The stone, or what `load_stone` takes.
     tilt_deg : float
         Standard deviation of the two angles that each facet is tilted by, about a point on it [deg].
     jitter : float
@@ -136,6 +137,7 @@ def study_symmetry(
     LostProcessError
         Processes were lost again and again, as where memory runs out; what is in the journal is kept.
     """
+    stone = as_stone(stone)
     check_study([stone], tilt_deg=tilt_deg, jitter=jitter, draws=draws, seed=seed)
     options = {"resolution": 256, **(options or {})}
     is_exact = engine_for(options.get("engine", DEFAULT_ENGINE), stone) == "exact"

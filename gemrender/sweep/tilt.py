@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from gemrender.cuts import StoneLike, as_stone
 from gemrender.engines import (
     DEFAULT_ENGINE,
     DEFAULT_HEAD,
@@ -64,7 +65,7 @@ def tilt_measures(chosen: str | Measure | Iterable[str | Measure] = "inoue") -> 
 
 
 def study_tilt(
-    stone: Stone,
+    stone: StoneLike,
     *,
     measures: str | Measure | Iterable[str | Measure] = "inoue",
     axis: str | float = "x",
@@ -83,8 +84,8 @@ def study_tilt(
 
     Parameters
     ----------
-    stone : Stone
-        The stone.
+    stone : Stone, str or path
+        The stone, or what `load_stone` takes.
     measures : str, Measure, or iterable of them
         What to measure: names, several with commas between them, `all`, or measures of your own.
     axis : {"x", "y", "both", "surface"} or float
@@ -113,7 +114,7 @@ def study_tilt(
     LostProcessError
         Processes were lost again and again, as where memory runs out; what is in the journal is kept.
     """
-    chosen = tilt_measures(measures)
+    stone, chosen = as_stone(stone), tilt_measures(measures)
     options = {"bound": DEFAULT_TILT_BOUND, "resolution": 256, **(options or {})}
     used = engine_for(options.get("engine", DEFAULT_ENGINE), stone)
     if used == "exact":  # its first kernel must not be called by two threads at once: numba has no lock there

@@ -10,6 +10,7 @@ import numpy as np
 
 from gemrender.measures import Measure
 from gemrender.observation import MeasureValues
+from gemrender.shown import library, plots
 from gemrender.sweep.poses import Pose
 
 __all__ = ["Tie", "TiltStudy", "TiltedValues"]
@@ -116,6 +117,39 @@ class TiltStudy:
             for key, value in of.values.items()
             if (key == "tied" or key.endswith("_tied")) and value > 0
         )
+
+    def to_pandas(self) -> Any:
+        """Return a pandas DataFrame, one row a pose, with the columns of `gemrender tilt --csv`.
+
+        Raises
+        ------
+        BackendError
+            pandas is not installed.
+        """
+        return library("pandas").DataFrame(plots().tilt_records(self))
+
+    def plot(self, ax: Any = None, *, measure: str | None = None, axis_deg: float | None = None) -> Any:
+        """Draw the curves of a measure about one axis, each with its bound.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to; by default new axes in a figure of their own.
+        measure : str, optional
+            Its name; by default the first.
+        axis_deg : float, optional
+            Azimuth of the axis [deg]; by default the first.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        InputError
+            No such measure or axis, or the study is of a surface.
+        """
+        return plots().plot_tilt(self, ax, measure, axis_deg)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the study for JSON: its poses, each with its measures, and its ties."""

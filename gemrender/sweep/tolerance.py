@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from gemrender.cuts import StoneLike, as_stone
 from gemrender.engines import DEFAULT_ENGINE, DEFAULT_HEAD, check_head, engine_for, require_engine
 from gemrender.errors import InputError
 from gemrender.journal import Journal
@@ -129,7 +130,7 @@ class ToleranceStudy:
 
 
 def study_tolerance(
-    stone: Stone,
+    stone: StoneLike,
     unknown: Unknown | None = None,
     *,
     measures: str | Measure | Iterable[str | Measure] = "inoue",
@@ -145,8 +146,8 @@ def study_tolerance(
 
     Parameters
     ----------
-    stone : Stone
-        The stone as it is stated.
+    stone : Stone, str or path
+        The stone as it is stated, or what `load_stone` takes.
     unknown : Unknown, optional
         What is not known of it: `Rounding`, `Cutting` or `Measuring`; by default a report's rounding.
     measures : str, Measure, or iterable of them
@@ -172,6 +173,7 @@ def study_tolerance(
     LostProcessError
         Processes were lost again and again; what is in the journal is kept.
     """
+    stone = as_stone(stone)
     for key, value, low, high in (("draws", draws, 1, MOST_DRAWS), ("seed", seed, 0, 2**63 - 1)):
         if not low <= value <= high:
             raise InputError(f"must be from {low:g} to {high:g}", key=key, value=value)

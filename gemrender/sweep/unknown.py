@@ -11,7 +11,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from gemrender.cuts import stone_from_vertices
+from gemrender.cuts import StoneLike, as_stone, stone_from_vertices
 from gemrender.cuts.families.family import Family
 from gemrender.cuts.variations import vary
 from gemrender.errors import InputError
@@ -74,15 +74,17 @@ class Rounding:
     steps: Mapping[str, float]
 
     @classmethod
-    def of(cls, stone: Stone, changes: Mapping[str, float] | None = None) -> Rounding:
+    def of(cls, stone: StoneLike, changes: Mapping[str, float] | None = None) -> Rounding:
         """Return the rounding of a laboratory's report of a stone, with some steps changed.
+
+        The stone may be what `load_stone` takes.
 
         Raises
         ------
         InputError
             The stone was not made from proportions, a key that it has not, or a step below 0.
         """
-        known = figures_of(stone)
+        known = figures_of(as_stone(stone))
         steps = {key: step for key, step in STEPS.items() if key in known}
         for key, step in (changes or {}).items():
             if key not in known:

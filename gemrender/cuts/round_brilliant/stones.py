@@ -98,6 +98,12 @@ def stone_from_vertices(
     ----------
     vertices : (57, 3) array_like
         x, y, z in the order of `topology.VERTEX_LABELS`.
+    name : str
+        What to call the stone.
+    material : str or float, optional
+        Name of a gem material, or a refractive index; by default diamond.
+    source : str, optional
+        Where the stone came from, for error messages.
 
     Raises
     ------

@@ -14,9 +14,10 @@ from typing import Any
 
 import numpy as np
 
+from gemrender.cuts import StoneLike
 from gemrender.engines import DEFAULT_HEAD
 from gemrender.errors import BackendError, InputError
-from gemrender.stone import Stone
+from gemrender.signatures import parameter_texts, spelt_out
 from gemrender.sweep.improve.answers import (
     Answer,
     Phases,
@@ -29,6 +30,7 @@ from gemrender.sweep.improve.checks import Check
 from gemrender.sweep.improve.goals import Goal
 from gemrender.sweep.improve.ranges import Range
 from gemrender.sweep.improve.rough import Rough
+from gemrender.sweep.improve.run import improve
 from gemrender.sweep.improve.search import DEFAULT_DRAWS, Places, Search, prepare_search
 from gemrender.sweep.unknown import Unknown
 
@@ -84,8 +86,9 @@ class Front:
     seed: int
 
 
+@spelt_out(defaults={}, texts=parameter_texts(improve.__doc__), types={})
 def pareto_front(
-    stone: Stone,
+    stone: StoneLike,
     goals: Sequence[Goal | str],
     vary_by: Sequence[Range | str],
     *,
@@ -110,15 +113,12 @@ def pareto_front(
 
     Parameters
     ----------
-    stone : Stone
-        Where the search begins.
+    stone : Stone, str or path
+        Where the search begins, or what `load_stone` takes.
     goals : sequence of Goal or str
         From two to four goals.
     answers : int
         Most stones of the front that are told in full.
-    vary_by, keep, unknown, draws, rounds, seed, head, meets, rough, options, journal, threads, details,
-    reach, check
-        As for `gemrender.improve`.
     progress : callable, optional
         Called with the share done, 0 to 1, and the best of the first goal so far.
 

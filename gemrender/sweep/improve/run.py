@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from gemrender.cuts import StoneLike
 from gemrender.engines import DEFAULT_HEAD
 from gemrender.errors import InputError
-from gemrender.stone import Stone
 from gemrender.sweep.improve.answers import (
     Answer,
     Phases,
@@ -66,7 +66,7 @@ class Improvement:
 
 
 def improve(
-    stone: Stone,
+    stone: StoneLike,
     goal: Goal | str,
     vary_by: Sequence[Range | str],
     *,
@@ -91,8 +91,9 @@ def improve(
 
     Parameters
     ----------
-    stone : Stone
-        Where the search begins: a stone that was made from proportions, of a family, or from a design.
+    stone : Stone, str or path
+        Where the search begins: a stone that was made from proportions, of a family, or from a design; or
+        what `load_stone` takes.
     goal : Goal or str
         The goal; see `gemrender.sweep.improve.goals`.
     vary_by : sequence of Range or str

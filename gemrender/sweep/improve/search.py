@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from gemrender.cuts import StoneLike, as_stone
 from gemrender.engines import DEFAULT_HEAD, check_head, require_engine
 from gemrender.errors import InputError
 from gemrender.journal import Journal
@@ -309,7 +310,7 @@ class Search:
 
 
 def prepare_search(
-    stone: Stone,
+    stone: StoneLike,
     goals: Sequence[Goal | str],
     vary_by: Sequence[Range | str],
     *,
@@ -332,6 +333,7 @@ def prepare_search(
     InputError
         A value out of range, no goal, or a stone that cannot be varied.
     """
+    stone = as_stone(stone)
     aims = tuple(Goal.parse(goal) if isinstance(goal, str) else goal for goal in goals)
     for key, value, low, high in (
         ("answers", answers, 1, 100), ("rounds", rounds, 1, 10_000), ("draws", draws, 2, 1000),
