@@ -9,20 +9,20 @@ gem_path and LuxCore (`pip install pyluxcore`) render with dispersion, Mitsuba's
 stone, lights, camera and size; all on all cores, each in a process of its own, one at a time.
 
 An error is the root mean square difference to the contestant's own reference, over the mean of that: of the
-stone's pixels where it is alone, of all where it stands on a ground; under a small light, of the paper, where
-the stone throws caustics, which are also found from the eye, by chance, for comparison. The reference is the
-mean of two halves of other seeds. The mean of (x - half 1) (x - half 2) is the square of the picture's error
-without that of the reference, which is printed too. Compiling and building are timed apart. Each contestant
-comes in several kinds (sampler, Russian roulette): the one of the least error of RGB in a short trial is
-measured. With `--clock processor` a time is that of the processor over the number of cores: for a machine in
-use by others.
+stone's pixels where it is alone; where it stands on a ground of all, of the ground's and of the stone's;
+under a small light of the paper's, where the stone throws caustics, which are also found from the eye, by
+chance, for comparison, and of all. The reference is the mean of two halves of other seeds. The mean of (x -
+half 1) (x - half 2) is the square of the picture's error without that of the reference, which is printed too.
+Compiling and building are timed apart. Each contestant comes in several kinds (sampler, Russian roulette):
+the one of the least error of RGB in a short trial is measured. With `--clock processor` a time is that of the
+processor over the number of cores: for a machine in use by others.
 """
 
 from __future__ import annotations
 
 import argparse
 import platform
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -68,9 +68,9 @@ class Entry:
         Time apart from the rendering itself, for each picture [s].
     halves : pair of (h, w, 3)
         The reference's halves.
-    points : dict of int to list of (float, float, float, float)
-        Time [s], busy share of the cores, and squares of the errors by `MEASURES`, of each picture; keys are
-        samples a pixel.
+    points : dict of int to list of (2 + 2 regions,) float64
+        Time [s], busy share of the cores, and of each region squares of the errors by `MEASURES`, of each
+        picture; keys are samples a pixel.
     """
 
     name: str
@@ -80,18 +80,18 @@ class Entry:
     rate: float = 0.0
     besides: float = 0.0
     halves: tuple[np.ndarray, np.ndarray] = field(default_factory=lambda: (np.zeros(0), np.zeros(0)))
-    points: dict[int, list[tuple[float, float, float, float]]] = field(default_factory=dict)
+    points: dict[int, list[np.ndarray]] = field(default_factory=dict)
 
     @property
     def title(self) -> str:
         """Its name and kind."""
         return f"{self.name} ({self.kind})" if self.kind else self.name
 
-    def curve(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return mean times (n,) and root mean square errors (n, 2) of the budgets."""
+    def curve(self, region: int) -> tuple[np.ndarray, np.ndarray]:
+        """Return mean times (n,) and root mean square errors (n, 2) of the budgets, in a region."""
         means = np.array([np.mean(points, axis=0) for points in self.points.values()])
         # An estimate of a square, less the reference's noise, may by chance be below 0.
-        return means[:, 0], np.sqrt(np.maximum(means[:, 2:], 1e-12))
+        return means[:, 0], np.sqrt(np.maximum(means[:, 2 + 2 * region : 4 + 2 * region], 1e-12))
 
     def busy(self) -> np.ndarray:
         """Return mean busy shares (n,) of the budgets."""
@@ -192,7 +192,10 @@ def best_kind(
 
 
 def measure(
-    entries: Sequence[Entry], where: np.ndarray, options: argparse.Namespace, seeds: Iterator[int]
+    entries: Sequence[Entry],
+    regions: Mapping[str, np.ndarray],
+    options: argparse.Namespace,
+    seeds: Iterator[int],
 ) -> None:
     """Render the references, then pictures of growing budgets: by turns, since machines are noisy."""
     by_name = {entry.name: entry for entry in entries}
@@ -217,16 +220,16 @@ def measure(
             for entry, own in zip(entries, budgets, strict=True):
                 if step < len(own):
                     shot = entry.remote.render(own[step], next(seeds))
-                    squares = differences(shot.image, *entry.halves, where)
+                    squares = [differences(shot.image, *entry.halves, at) for at in regions.values()]
                     entry.points.setdefault(own[step], []).append(
-                        (clocked(shot, options.clock), shot.busy, *squares)
+                        np.array([clocked(shot, options.clock), shot.busy, *np.ravel(squares)])
                     )
 
 
-def print_curves(entries: Sequence[Entry], where: np.ndarray) -> None:
-    """Print all points, the laws fitted to them, and the references' noise."""
+def print_curves(entries: Sequence[Entry], region: int, where: np.ndarray) -> None:
+    """Print all points of a region, the laws fitted to them, and the references' noise."""
     for entry in entries:
-        times, errors = entry.curve()
+        times, errors = entry.curve(region)
         print(f"\n  {entry.title}: samples, seconds, cores busy, error of Y and of RGB")
         for samples, taken, busy, error in zip(entry.points, times, entry.busy(), errors, strict=True):
             print(f"    {samples:>8}{taken:>10.3f}{busy:>8.0%}{error[0]:>10.5f}{error[1]:>10.5f}")
@@ -252,11 +255,11 @@ def print_means(entries: Sequence[Entry], stone: np.ndarray) -> None:
         print(f"    {entry.name:<24}{words[0]}  {words[1]}")
 
 
-def print_ratios(entries: Sequence[Entry], targets: Sequence[float]) -> None:
+def print_ratios(entries: Sequence[Entry], region: int, targets: Sequence[float]) -> None:
     """Print the times to the same errors, and their ratios to gem_path's and to `path`'s."""
     by_name = {entry.name: entry for entry in entries}
     for index, measure_name in enumerate(MEASURES):
-        curves = {name: entry.curve() for name, entry in by_name.items()}
+        curves = {name: entry.curve(region) for name, entry in by_name.items()}
         for error in targets:
             print(f"\n  Seconds to an error of {error:g} in {measure_name} (* extrapolated)")
             found = {
@@ -289,22 +292,30 @@ def compare(name: str, options: argparse.Namespace, seeds: Iterator[int]) -> Non
     """Measure all contestants in a scene, and print what is found."""
     view = scene(name != "alone", size=options.size, small=name == "small")
     stone = view.silhouette()
-    where = {"alone": stone, "ground": np.ones_like(stone), "small": ~stone}[name]
-    print(f"\n{SCENES[name]}: error over {where.mean():.0%} of the image")
+    everywhere = np.ones_like(stone)
+    regions: dict[str, np.ndarray] = {
+        "alone": {"stone": stone},
+        "ground": {"all": everywhere, "ground": ~stone, "stone": stone},
+        "small": {"paper": ~stone, "all": everywhere},
+    }[name]
+    words = ", ".join(f"{key} {at.mean():.0%}" for key, at in regions.items())
+    print(f"\n{SCENES[name]}. Errors over, of the image: {words}")
     print(f"  {'':<38}{'setup s':>7}{'compile':>9}{'besides':>9}{'spp/s':>9}{'Y, 1 s':>9}{'RGB, 1 s':>9}")
     with ExitStack() as stack:
         tried = [
-            best_kind(view, one, where, options, seeds, stack)
+            best_kind(view, one, next(iter(regions.values())), options, seeds, stack)
             for one in options.contestants
             if one != CHANCE or name == "small"
         ]
         entries = [entry for entry in tried if entry is not None]
         if not entries:
             return
-        measure(entries, where, options, seeds)
-    print_curves(entries, where)
+        measure(entries, regions, options, seeds)
     print_means(entries, stone)
-    print_ratios(entries, options.errors)
+    for number, (region, where) in enumerate(regions.items()):
+        print(f"\n  ---- {SCENES[name]}: {region} ----")
+        print_curves(entries, number, where)
+        print_ratios(entries, number, options.errors)
     if options.out is not None:
         options.out.mkdir(parents=True, exist_ok=True)
         files = {

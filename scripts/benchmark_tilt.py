@@ -57,7 +57,7 @@ def main() -> None:
         stone = load_stone(name)
         require_engine("exact", stones=[stone])
         study_tilt(stone, measures=measures, to_deg=2.0, step_deg=2.0, processes=1)
-        with mock.patch("gemrender.sweep.tilt._FEW", few):
+        with mock.patch("gemrender.sweep.tilt.FEW", few):
             runs = [timed(stone, measures, options.cores) for _ in range(options.repeats)]
         clock = min(run[0] for run in runs)
         shared = min(run[1] for run in runs) / options.cores

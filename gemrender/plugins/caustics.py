@@ -13,7 +13,7 @@ from gemrender.plugins.checks import SceneCheck, is_stone
 from gemrender.plugins.emission import Emission
 from gemrender.plugins.projection import Projection
 from gemrender.plugins.stones import RAY_OFFSET, Stones
-from gemrender.plugins.walk import walk
+from gemrender.plugins.walk import LATE, LATE_SURVIVAL, walk
 from gemrender.scene.spread import roberts_steps
 
 __all__ = ["Caustics"]
@@ -47,8 +47,15 @@ class Caustics:
     So no path is followed twice, and none is left out: a path is the light's if its lamp is small and,
     counted from the eye, its first surface is diffuse, and so is the last one before the stones that part it
     from the lamp. `gem_path` leaves out light that it finds so when it is told what is traced. A surface is
-    diffuse when all parts of its BSDF are; a light is small by the solid angle that the stones see it under
-    (see `Emission`), as points, directions and suns in images of skies are.
+    diffuse when all parts of its BSDF are: paper, velvet and plain grounds are, skin (which shines), metals
+    and glass are not, and light that passes one of these between lamp and stone, or between stone and the
+    first diffuse surface, is the eye's. A light is small by the solid angle that the stones see it under (see
+    `Emission`), as points and directions are. A sky is one light, an image or a studio of boxes too: it is
+    traced as a whole where what is bright in it is small, as a sun in a dim sky; small boxes beside large
+    ones are left to the eye with it.
+
+    S is any surface of a stone, a rough girdle too: `walk`, from the light as from the eye, scatters there as
+    `split` does (see `rough`), and goes on. Things of ground glass are no stones.
 
     From the eye such a path is found only when a ray off the paper happens to meet the light through the
     stone; from the light each one lands on the paper.
@@ -228,9 +235,10 @@ class Caustics:
             landed |= plain
             active = behind | plain | left
 
-            # ---- Russian roulette: all rays that are left carry alike ----
+            # ---- Russian roulette: all rays that are left carry alike; late ones end by chance ----
 
             q = dr.minimum(dr.mean(β) / sent, 1)
+            q = dr.select(depth > LATE, q * LATE_SURVIVAL, q)
             active &= (q > 0) & (chance.next_float32() < q)
             β *= dr.select(active, dr.rcp(q), 0)
             ray.maxt = dr.largest(mi.Float)

@@ -53,9 +53,8 @@ class PathIntegrator(mi.SamplingIntegrator):
     - **Dispersion.** In spectral variants the wavelengths of a path part where it first enters a dispersive
       stone, and each goes on by itself; until then all share a way. Each is lit by what shines straight on
       the diffuse surface that it ends on; from there one goes on with its own wavelength only, and stands for
-      all. In RGB variants the path draws a wavelength,
-      weighted by the linear sRGB response; in monochrome ones all light has the wavelength of the stone's
-      ``gem_dielectric``.
+      all. In RGB variants the path draws a wavelength, weighted by the linear sRGB response; in monochrome
+      ones all light has the wavelength of the stone's ``gem_dielectric``.
     - **Absorption** along the way inside, by the material (Beer and Lambert).
     - Russian roulette goes by the throughput, and total reflection does not lessen it: long bright paths are
       not clipped. Multiple importance sampling (power heuristic) at all other surfaces.
@@ -76,7 +75,13 @@ class PathIntegrator(mi.SamplingIntegrator):
     and a ``GemrenderWarning`` says so.
 
     Light that small lamps throw through stones on diffuse surfaces is found by chance only. ``gemrender
-    render`` traces it from the lamps instead, and tells the integrator to leave it out.
+    render`` traces it from the lamps instead, and tells the integrator to leave it out: of each path that
+    ends on a small lamp, whose first surface from the camera is diffuse, and whose last diffuse surface only
+    stones part from the lamp.
+
+    At a rough girdle (``girdle_alpha``) one way is drawn, out or in, that carries all the light; where a path
+    first enters a dispersive stone there, it goes on with one wavelength, drawn of all. Light that is traced
+    from lamps is scattered there alike.
 
     Point and directional lights light plain surfaces, but are not seen in or through stones. Participating
     media are not followed. A ``GemrenderWarning`` says either.

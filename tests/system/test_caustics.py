@@ -349,3 +349,14 @@ def test_the_same_seed_gives_the_same_caustics():
     assert np.isfinite(found).all()
     np.testing.assert_array_equal(found[0], found[1])
     assert np.abs(found[0] - found[2]).max() > 0
+
+
+def test_light_that_nothing_takes_away_ends_by_chance():
+    """In a closed box of white walls no ray loses light or gets out: without a chance to end it would not."""
+    box = {"type": "cube", "to_world": mi.ScalarTransform4f().scale(8.0), "bsdf": matt(1.0)}
+    light = {"type": "point", "position": [2, -1, 4], "intensity": {"type": "uniform", "value": 1.0}}
+    loaded = scene(camera("perspective", size=2), box=box, light=light, stone=stone())
+    with pytest.warns(GemrenderWarning, match="give them a size"):
+        found = pictures(loaded, 1, seeds=1)
+    assert np.isfinite(found).all()
+    assert found.min() > 0
