@@ -17,7 +17,7 @@ from gemrender.engines import (
 )
 from gemrender.errors import InputError
 from gemrender.request import ShortForms, TraceOptions, spelt_out
-from gemrender.shown import Shown, library, plots
+from gemrender.shown import Tabled, plots
 
 if TYPE_CHECKING:
     import numpy as np
@@ -94,7 +94,7 @@ class FacetSizes:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Score(Shown):
+class Score(Tabled):
     """The scores of one stone, in per cent.
 
     Attributes
@@ -172,18 +172,6 @@ class Score(Shown):
         if measures is not None:
             values["measures"] = {of.name: of.to_dict() for of in measures}
         return {key: values.pop(key) for key in _CONTRACT} | values
-
-    def to_pandas(self) -> Any:
-        """Return a pandas DataFrame of one row, with the columns of `gemrender score --csv`.
-
-        Several scores make one table: `pandas.concat([a.to_pandas(), b.to_pandas()])`.
-
-        Raises
-        ------
-        BackendError
-            pandas is not installed.
-        """
-        return library("pandas").DataFrame([plots().score_record(self)])
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the shares of the view by intensity, as bars in the colours of maps.

@@ -8,7 +8,7 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
-__all__ = ["Shown", "library", "plots"]
+__all__ = ["Shown", "Tabled", "library", "plots"]
 
 
 class Shown:
@@ -19,6 +19,25 @@ class Shown:
     def _repr_html_(self) -> str:
         """Return what notebooks show."""
         return str(importlib.import_module("gemrender.report.notebook").html_of(self))
+
+
+class Tabled(Shown):
+    """What is a table too."""
+
+    __slots__ = ()
+
+    def to_pandas(self) -> Any:
+        """Return a pandas DataFrame, with the columns and the rows of the command's `--csv`.
+
+        Several make one table: `pandas.concat([a.to_pandas(), b.to_pandas()])`.
+
+        Raises
+        ------
+        BackendError
+            pandas is not installed.
+        """
+        records = importlib.import_module("gemrender.report.records").records_of(self)
+        return library("pandas").DataFrame(records)
 
 
 def plots() -> Any:

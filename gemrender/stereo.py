@@ -10,7 +10,7 @@ from gemrender.engines import DEFAULT_BOUND, DEFAULT_ENGINE, DEFAULT_HEAD, engin
 from gemrender.errors import InputError
 from gemrender.request import ShortForms, TraceOptions, resolve, spelt_out
 from gemrender.scoring import Score, chosen_or_none, score_measurement
-from gemrender.shown import Shown
+from gemrender.shown import Tabled
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -30,7 +30,7 @@ _SEPARATIONS, _DISTANCES = (0.0, 200.0), (50.0, 10_000.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
-class StereoScore(Shown):
+class StereoScore(Tabled):
     """What a pair of eyes sees of a stone.
 
     Attributes

@@ -14,7 +14,7 @@ from gemrender.measures import inoue
 from gemrender.measures.measure import Measure
 from gemrender.measures.tally import REST, Tally, bounds_of_sets
 from gemrender.observation import LIGHT_LEVEL
-from gemrender.shown import Shown
+from gemrender.shown import Tabled
 from gemrender.stone import Stone
 
 __all__ = [
@@ -94,7 +94,7 @@ class Derivative:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
-class Sensitivity(Shown):
+class Sensitivity(Tabled):
     """The derivatives of one stone's scores.
 
     Attributes

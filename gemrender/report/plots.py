@@ -1,4 +1,4 @@
-"""Results drawn onto matplotlib's axes, and as records: what `plot` and `to_pandas` of each call."""
+"""Results drawn onto matplotlib's axes: what `plot` of each calls."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from gemrender.report.facets import check_colour, draw_facets, facet_classes, si
 from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR, map_picture
 from gemrender.report.lettering import name_fonts
 from gemrender.report.measure_maps import measure_map_picture
-from gemrender.report.tables import LEAST_SHOWN, band_names, score_record
-from gemrender.report.tilt import axis_name, draw_curves, tilt_records
+from gemrender.report.tables import LEAST_SHOWN, band_names
+from gemrender.report.tilt import axis_name, draw_curves
 from gemrender.scoring import Score
 from gemrender.stone import Stone
 
@@ -34,8 +34,6 @@ __all__ = [
     "plot_score",
     "plot_stone",
     "plot_tilt",
-    "score_record",
-    "tilt_records",
 ]
 
 _VIEWS = {"crown": CROWN, "pavilion": PAVILION, "side": side(), "oblique": OBLIQUE}

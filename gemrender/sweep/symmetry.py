@@ -20,7 +20,7 @@ from gemrender.cuts import StoneLike, as_stone
 from gemrender.engines import DEFAULT_ENGINE, engine_for
 from gemrender.errors import InputError
 from gemrender.journal import Journal
-from gemrender.shown import Shown
+from gemrender.shown import Tabled
 from gemrender.stone import Stone
 from gemrender.sweep.spreading import limit_threads
 from gemrender.sweep.unknown import MOST_JITTER, MOST_TILT_DEG, Cutting, Measuring, draw
@@ -36,7 +36,7 @@ _BATCH = 4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
-class SymmetryStudy(Shown):
+class SymmetryStudy(Tabled):
     """The scores of a stone's draws.
 
     Attributes

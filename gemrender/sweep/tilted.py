@@ -10,7 +10,7 @@ import numpy as np
 
 from gemrender.measures import Measure
 from gemrender.observation import MeasureValues
-from gemrender.shown import Shown, library, plots
+from gemrender.shown import Tabled, plots
 from gemrender.sweep.poses import Pose
 
 __all__ = ["Tie", "TiltStudy", "TiltedValues"]
@@ -66,7 +66,7 @@ class Tie:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class TiltStudy(Shown):
+class TiltStudy(Tabled):
     """Measures of a stone over its poses.
 
     Attributes
@@ -120,16 +120,6 @@ class TiltStudy(Shown):
             for key, value in of.values.items()
             if (key == "tied" or key.endswith("_tied")) and value > 0
         )
-
-    def to_pandas(self) -> Any:
-        """Return a pandas DataFrame, one row a pose, with the columns of `gemrender tilt --csv`.
-
-        Raises
-        ------
-        BackendError
-            pandas is not installed.
-        """
-        return library("pandas").DataFrame(plots().tilt_records(self))
 
     def plot(self, ax: Any = None, *, measure: str | None = None, axis_deg: float | None = None) -> Any:
         """Draw the curves of a measure about one axis, each with its bound.

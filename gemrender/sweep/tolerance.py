@@ -17,7 +17,7 @@ from gemrender.engines import DEFAULT_ENGINE, DEFAULT_HEAD, check_head, engine_f
 from gemrender.errors import InputError
 from gemrender.journal import Journal
 from gemrender.measures import Measure, chosen_measures
-from gemrender.shown import Shown
+from gemrender.shown import Tabled
 from gemrender.stone import Stone
 from gemrender.sweep.spreading import FEW, limit_threads, spread
 from gemrender.sweep.symmetry import MOST_DRAWS
@@ -62,7 +62,7 @@ class Spread:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
-class ToleranceStudy(Shown):
+class ToleranceStudy(Tabled):
     """The measures of a stone's draws.
 
     Attributes

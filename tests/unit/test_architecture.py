@@ -49,7 +49,7 @@ LAYERS: list[dict[str, set[str]]] = [
     {"__main__": set()},
 ]
 #: The one way back: results show themselves, and look up what draws them when they are shown.
-WAYS_BACK = {("shown", "gemrender.report.notebook"), ("shown", "gemrender.report.plots")}
+WAYS_BACK = {("shown", f"gemrender.report.{name}") for name in ("notebook", "plots", "records")}
 RANK = {part: rank for rank, layer in enumerate(LAYERS) for part in layer}
 LIBRARIES = {part: libraries for layer in LAYERS for part, libraries in layer.items()}
 

@@ -276,6 +276,18 @@ def test_a_score_is_one_row_with_the_columns_of_the_csv(results):
     assert frame.average[0] == results["Score"].average
 
 
+@pytest.mark.parametrize("kind", STUDIES)
+def test_studies_are_tables(results, kind):
+    assert len(results[kind].to_pandas()) >= 1
+
+
+def test_a_study_of_tilts_has_a_row_a_pose(results):
+    study = results["TiltStudy"]
+    frame = study.to_pandas()
+    assert list(frame.turn_deg) == [found.pose.turn_deg for found in study.found]
+    assert list(frame.inoue_average) == list(study.values("inoue", "average"))
+
+
 def test_facets_are_rows(results):
     facets = results["VirtualFacets"]
     frame = facets.to_pandas()

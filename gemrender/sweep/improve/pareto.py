@@ -17,7 +17,7 @@ import numpy as np
 from gemrender.cuts import StoneLike
 from gemrender.engines import DEFAULT_HEAD
 from gemrender.errors import BackendError, InputError
-from gemrender.shown import Shown
+from gemrender.shown import Tabled
 from gemrender.signatures import parameter_texts, spelt_out
 from gemrender.sweep.improve.answers import (
     Answer,
@@ -60,7 +60,7 @@ class FrontStone:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
-class Front(Shown):
+class Front(Tabled):
     """What a search for several goals found.
 
     Attributes

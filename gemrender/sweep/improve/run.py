@@ -16,7 +16,7 @@ from typing import Any
 from gemrender.cuts import StoneLike
 from gemrender.engines import DEFAULT_HEAD
 from gemrender.errors import InputError
-from gemrender.shown import Shown
+from gemrender.shown import Tabled
 from gemrender.sweep.improve.answers import (
     Answer,
     Phases,
@@ -37,7 +37,7 @@ __all__ = ["Answer", "Improvement", "SearchInterruptedError", "improve"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
-class Improvement(Shown):
+class Improvement(Tabled):
     """What a search found.
 
     Attributes
