@@ -66,9 +66,16 @@ def test_which_goals_have_exact_slopes(text, exact):
 
 
 @pytest.fixture(scope="module")
-def derivatives() -> Iterator[None]:
-    """Derivatives by the numbers of a stone are taken once for all searches that begin with it."""
-    known: dict[tuple[object, ...], Sensitivity] = {}
+def known() -> Iterator[dict[tuple[object, ...], Sensitivity]]:
+    """Derivatives by the numbers of the one stone that two searches begin with."""
+    found: dict[tuple[object, ...], Sensitivity] = {}
+    yield found
+    assert len(found) <= 1
+
+
+@pytest.fixture
+def derivatives(known, monkeypatch):
+    """Derivatives of a stone are taken once for both."""
 
     def once(stone, *, measures, **options):
         names = tuple(of.name for of in measures)
@@ -78,10 +85,7 @@ def derivatives() -> Iterator[None]:
             known[key] = sensitivity(stone, measures=measures, **options)
         return known[key]
 
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("gemrender.sweep.improve.goal_slopes.sensitivity", once)
-        yield
-    assert len(known) == 1
+    monkeypatch.setattr("gemrender.sweep.improve.goal_slopes.sensitivity", once)
 
 
 @pytest.mark.usefixtures("derivatives")

@@ -52,8 +52,8 @@ def corrupt(monkeypatch, value, lanes):
 
     trace = Passes._trace
 
-    def corrupted(self, ray, n, spp, seed):
-        radiance, valid, aovs = trace(self, ray, n, spp, seed)
+    def corrupted(self, ray, n, spp, seed, **options):
+        radiance, valid, aovs = trace(self, ray, n, spp, seed, **options)
         return dr.select(dr.arange(mi.UInt32, n) < lanes, value, radiance), valid, aovs
 
     monkeypatch.setattr(Passes, "_trace", corrupted)
