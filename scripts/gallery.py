@@ -178,7 +178,7 @@ def sheet(options: Options) -> np.ndarray:
 def turntable(out: Path, options: Options) -> None:
     """Render a turn of a stone: a film, and a small moving picture of it."""
     film = gemrender.render_film(
-        "cushion-antique",
+        "inoue-3",
         out / "turntable.mp4",
         "velvet",
         frames=FRAMES,
