@@ -111,8 +111,9 @@ def _thing(table: dict[str, Any], name: str, folder: Path, mistakes: Mistakes) -
         thing = own.of(Thing, **needed | values)
         if thing is not None and "mesh" in table:
             file, bundled = folder / thing.mesh, bundled_folder("setups")
-            if not file.is_file() and bundled is not None and (bundled / Path(thing.mesh).name).is_file():
-                file = bundled / Path(thing.mesh).name  # of a copy of a set-up that comes along
+            bare = thing.mesh == Path(thing.mesh).name
+            if bare and not file.is_file() and bundled is not None and (bundled / thing.mesh).is_file():
+                file = bundled / thing.mesh  # of a copy of a set-up that comes along
             if not file.is_file():
                 own.add(InputError("no such file", key="mesh", value=thing.mesh))
             thing = Thing(**needed | values | {"mesh": str(file)})

@@ -64,6 +64,8 @@ def test_a_copy_of_a_bundled_setup_finds_the_mesh_that_comes_along():
     assert Path(load_setup(copy).things[0].mesh) == SETUPS / "hand.ply"
     copy = write((SETUPS / "hand.toml").read_text().replace("hand.ply", "foot.ply"))
     assert refusal(copy) == "x.toml: thing 1.mesh = 'foot.ply': no such file"
+    copy = write((SETUPS / "hand.toml").read_text().replace("hand.ply", "mine/hand.ply"))
+    assert refusal(copy) == "x.toml: thing 1.mesh = 'mine/hand.ply': no such file"
 
 
 @pytest.mark.parametrize("name", BUNDLED)
