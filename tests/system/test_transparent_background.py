@@ -99,6 +99,7 @@ def test_settings_and_things_stay(beside, tmp_path):
     for kind, least in ((Seen.STONE, 0.08), (Seen.BESIDE, 0.03), (Seen.GROUND, 0.3)):
         assert (shows == kind).mean() > least
     inside = whole(front.alpha == 1)
+    assert (front.alpha == 1)[shows == Seen.BESIDE].mean() > 0.5
     assert inside[shows == Seen.BESIDE].mean() > 0.2
     for name in ("xyz", "albedo", "normal"):
         np.testing.assert_array_equal(getattr(front, name)[inside], getattr(cut, name)[inside])
