@@ -29,6 +29,9 @@ Result = TypeVar("Result")
 MOST_TRIES = 3
 #: Signals that a terminal sends to all processes before it: the first one answers them for all.
 _TERMINAL_SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGHUP") if hasattr(signal, name))
+#: So often a wait for processes looks for signals [s]: one that arrives right before its system call would
+#: else be answered only when a process has something to say.
+_TICK = 1.0
 
 _log = logging.getLogger("gemrender")
 
@@ -87,7 +90,7 @@ def in_processes(
             worker: _Worker = _start(function, *item)
             workers[worker.connection] = worker
         while workers:
-            for connection in wait(list(workers)):
+            for connection in wait(list(workers), _TICK):
                 worker = workers[connection]  # type: ignore[index]
                 try:
                     good, value = worker.connection.recv()

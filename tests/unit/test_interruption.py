@@ -51,8 +51,8 @@ def test_outside_the_main_thread_it_does_nothing():
     assert found == [130]
 
 
-#: A script that writes half a file, then waits: by short sleeps, since a signal that arrives between Python's last
-#: look for signals and the system call of a long one is answered only at that one's end.
+#: A script that writes half a file, then waits: by short sleeps, since a signal that arrives between Python's
+#: last look for signals and the system call of a long one is answered only at that one's end.
 SCRIPT = """
 import pathlib, sys, time
 from gemrender.interruption import interrupted_by_signals, interruptions_held
