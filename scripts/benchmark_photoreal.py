@@ -29,6 +29,7 @@ from pathlib import Path
 
 import numpy as np
 from photoreal_contestants import BUILDERS, ContestantError, Remote, Shot, View, cores, scene
+from scipy.ndimage import binary_dilation
 
 from gemrender.writing import write_whole
 
@@ -293,10 +294,11 @@ def compare(name: str, options: argparse.Namespace, seeds: Iterator[int]) -> Non
     view = scene(name != "alone", size=options.size, small=name == "small")
     stone = view.silhouette()
     everywhere = np.ones_like(stone)
+    beside = ~binary_dilation(stone, np.ones((3, 3)))  # pixels that the stone's edge crosses are the stone's
     regions: dict[str, np.ndarray] = {
         "alone": {"stone": stone},
-        "ground": {"all": everywhere, "ground": ~stone, "stone": stone},
-        "small": {"paper": ~stone, "all": everywhere},
+        "ground": {"all": everywhere, "ground": beside, "stone": stone},
+        "small": {"paper": beside, "all": everywhere},
     }[name]
     words = ", ".join(f"{key} {at.mean():.0%}" for key, at in regions.items())
     print(f"\n{SCENES[name]}. Errors over, of the image: {words}")

@@ -1,4 +1,4 @@
-"""Branches of light that leave a stone: one is drawn of many, and lit by what shines on what it meets."""
+"""Branches of light that leave a stone: one is drawn of many."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from gemrender.plugins.rough import scattered
 from gemrender.plugins.stones import RAY_OFFSET, reflectance
 from gemrender.plugins.walk import LATE, LATE_SURVIVAL
 
-__all__ = ["NEGLIGIBLE", "Branch", "direct_light", "is_diffuse", "split"]
+__all__ = ["NEGLIGIBLE", "Branch", "is_diffuse", "split"]
 
 #: Throughput below which a way inside a stone goes on by chance only.
 ROULETTE_INSIDE = 0.1
@@ -59,20 +59,6 @@ class Branch:
     def throughput(self) -> mi.Spectrum:
         """What it stands for: all that were offered."""
         return dr.select(self.weight > 0, self.β * (self.weight / dr.mean(self.β)), 0)
-
-
-def direct_light(
-    scene: mi.Scene,
-    plain: mi.Bool,
-    si: mi.SurfaceInteraction3f,
-    bsdf: mi.BSDFPtr,
-    chance: mi.PCG32,
-) -> mi.Spectrum:
-    """Return the light that comes straight from lights and sky and is reflected, of diffuse surfaces."""
-    sample = mi.Point2f(chance.next_float32(), chance.next_float32())
-    ds, weight = scene.sample_emitter_direction(si, sample, True, plain)
-    lit = plain & (ds.pdf != 0)
-    return dr.select(lit, bsdf.eval(mi.BSDFContext(), si, si.to_local(ds.d), lit) * weight, 0)
 
 
 def is_diffuse(flags: mi.UInt32) -> mi.Bool:

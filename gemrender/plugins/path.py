@@ -6,9 +6,10 @@ import drjit as dr
 import mitsuba as mi
 
 from gemrender.errors import InputError
-from gemrender.plugins.branches import NEGLIGIBLE, Branch, direct_light, is_diffuse, split
+from gemrender.plugins.branches import NEGLIGIBLE, Branch, is_diffuse, split
 from gemrender.plugins.caustics import Caustics
 from gemrender.plugins.checks import SceneCheck
+from gemrender.plugins.direct import MOST_LIGHTS, direct_light, mis_weight, one_light
 from gemrender.plugins.properties import truth, whole_number
 from gemrender.plugins.stones import RAY_OFFSET, Stones
 from gemrender.plugins.walk import LATE, LATE_SURVIVAL, walk
@@ -196,6 +197,9 @@ class PathIntegrator(mi.SamplingIntegrator):
         from_p = mi.Point3f(ray.o)  # the surface before, for multiple importance sampling
         from_pdf = mi.Float(1)
         from_delta = mi.Bool(True)
+        # A picture's noise on plain surfaces is mostly of which light is asked at the first
+        at_first = mi.UInt32(min(max(len(scene.emitters()), 1), MOST_LIGHTS))
+        from_lights = mi.UInt32(1)  # samples of the lights that were taken there
 
         # Inside stones numbers are needed by the dozen, and their spread does not matter there
         seeds = mi.sample_tea_32(
@@ -214,7 +218,7 @@ class PathIntegrator(mi.SamplingIntegrator):
             came_from = mi.Interaction3f(0.0, ray.time, ray.wavelengths, from_p)
             ds = mi.DirectionSample3f(scene, si, came_from)
             weigh = active & ~from_delta & (emitter != None)  # noqa: E711 (an array)
-            mis = _mis_weight(from_pdf, scene.pdf_emitter_direction(came_from, ds, weigh))
+            mis = mis_weight(from_pdf, from_lights * scene.pdf_emitter_direction(came_from, ds, weigh))
             mis = dr.select(from_delta, 1, mis)
             light = emitter.eval(si, active & ~on_stone)
             elsewhere = dark | (first_diffuse & last_diffuse & through & _traces(caustics, emitter))
@@ -244,12 +248,9 @@ class PathIntegrator(mi.SamplingIntegrator):
             is_matt = is_diffuse(bsdf.flags())
             dark = plain & lit & is_matt
             smooth = plain & ~dark & mi.has_flag(bsdf.flags(), mi.BSDFFlags.Smooth)
-            ds, em_weight = scene.sample_emitter_direction(si, sampler.next_2d(), True, smooth)
-            smooth &= ds.pdf != 0
-            wo = si.to_local(ds.d)
-            value, pdf = bsdf.eval_pdf(context, si, wo, smooth)
-            mis = dr.select(ds.delta, 1, _mis_weight(ds.pdf, pdf))
-            L += dr.select(smooth, β * mis * value * em_weight, 0)
+            samples = dr.select(depth == 0, at_first, 1)
+            found = direct_light(scene, si, bsdf, sampler.next_2d(), samples, smooth)
+            L += dr.select(smooth, β * found, 0)
 
             bs, weight = bsdf.sample(context, si, sampler.next_1d(), sampler.next_2d(), plain)
             next_ray = si.spawn_ray(si.to_world(bs.wo))
@@ -304,9 +305,9 @@ class PathIntegrator(mi.SamplingIntegrator):
                     lights = looks & (end.depth + 2 <= max_depth) & end_si.is_valid()
                     lights &= stones.of(end_si, lights) == 0
                     lights &= is_diffuse(end_bsdf.flags())
-                    L += dr.select(
-                        lights, end.throughput * direct_light(scene, lights, end_si, end_bsdf, chance), 0
-                    )
+                    place = mi.Point2f(chance.next_float32(), chance.next_float32())
+                    found = one_light(scene, end_si, end_bsdf, place, lights)
+                    L += dr.select(lights, end.throughput * found, 0)
                     hero = dr.select(way == 0, end, hero)
                     way += 1
                     ends &= part & (way < stones.n_ways)
@@ -323,6 +324,7 @@ class PathIntegrator(mi.SamplingIntegrator):
             depth = dr.select(drawn_on, hero.depth, depth + 1)
             from_p = dr.select(plain, si.p, from_p)
             from_pdf = dr.select(plain, bs.pdf, 1)
+            from_lights = dr.select(plain, samples, 1)
             direct &= ~plain | mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
             from_delta = ~plain | mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
 
@@ -334,12 +336,6 @@ class PathIntegrator(mi.SamplingIntegrator):
             ray.maxt = dr.largest(mi.Float)
 
         return L, valid, albedo, normal
-
-
-def _mis_weight(pdf: mi.Float, other: mi.Float) -> mi.Float:
-    """Power heuristic (Veach 1997, section 9.2.4) for a sample of density `pdf`, against one other."""
-    # By the ratio: the square of a density can be infinite where a light is seen edge-on
-    return dr.select(pdf > 0, dr.rcp(1 + dr.square(other / pdf)), 0)
 
 
 def _traces(caustics: Caustics | None, emitter: mi.EmitterPtr) -> mi.Bool:
