@@ -14,17 +14,15 @@ from gemrender.plugins.emission import Emission
 from gemrender.plugins.projection import Projection
 from gemrender.plugins.stones import RAY_OFFSET, Stones
 from gemrender.plugins.walk import LATE, LATE_SURVIVAL, walk
-from gemrender.scene.spread import roberts_steps
+from gemrender.scene.sobol import TEA_ROUNDS, sobol
 
 __all__ = ["Caustics"]
 
-#: Steps of what a ray is drawn by: light, place on it (2), stone, direction (2), wavelength.
-_STEPS = roberts_steps(7)
+#: Numbers that a ray is drawn by: light, place on it (2), stone, direction (2), wavelength.
+_NUMBERS = 7
 #: Sums are of whole numbers, of which one is so much of what a ray commonly counts: the order of a sum of
 #: whole numbers makes no difference. They hold 2^39 such counts.
 _FINENESS = 2.0**24
-#: Rounds of the cipher that makes random numbers of a ray's number and the seed.
-_TEA_ROUNDS = 8
 
 
 class Caustics:
@@ -126,12 +124,9 @@ class Caustics:
             lanes = dr.arange(mi.UInt32, n)
             number = lanes + dr.opaque(mi.UInt32, first & 0xFFFFFFFF)
             key = dr.opaque(mi.UInt32, seed)
-            shifts = [x for k in range(4) for x in mi.sample_tea_32(key, mi.UInt32(k), _TEA_ROUNDS)]
-            u = [
-                mi.Float((shift + number * mi.UInt32(step)) >> 8) * 2.0**-24
-                for shift, step in zip(shifts, _STEPS, strict=False)
-            ]
-            a, b = mi.sample_tea_32(number, key, _TEA_ROUNDS)
+            keys = [mi.sample_tea_32(key, mi.UInt32(k), TEA_ROUNDS)[0] for k in range(_NUMBERS)]
+            u = sobol(number, keys)
+            a, b = mi.sample_tea_32(number, key, TEA_ROUNDS)
             chance = mi.PCG32(1, mi.UInt64(a), mi.UInt64(b))
             wavelengths = draw(u[6])
             ray, weight = self._emission.sample(u[:6], wavelengths)

@@ -15,9 +15,10 @@ MOST_SPHERES = 12
 #: Rays that tell how much light of each lamp is on its way to the stones, and wavelengths they have [nm].
 _TRIALS = 256
 _TRIAL_NM = (450.0, 530.0, 580.0, 630.0)
-#: Lights are small that the stones see under less [sr]: 10 degrees about their middle. At about 0.4 sr a ray
-#: from the eye finds the light through a stone as soon as one from the light finds the eye, and costs less.
-SMALL_SR = 0.1
+#: Lights are small that the stones see under less [sr]: 23 degrees about their middle. Softboxes of 0.4 sr
+#: each, traced, make paper as even in 0.5 (luminance) and 0.8 (RGB) times the time that paths from the eye
+#: need; the larger a light, the sooner these find it.
+SMALL_SR = 0.5
 #: Share of the rays that is spread over all lights alike: a trial may miss what is bright.
 _EVEN = 0.1
 #: How much larger a sphere is than its stone: rounding.

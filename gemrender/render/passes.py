@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -11,8 +10,7 @@ from gemrender.render.first_seen import Seen, kinds_of
 from gemrender.render.noise import relative_error
 from gemrender.render.traced import TracedFilm
 from gemrender.render.wavelengths import FIRST_NM, LAST_NM, drawing_table
-from gemrender.scene.loading import load_scene
-from gemrender.scene.spread import roberts_steps
+from gemrender.scene.sobol import PixelSamples
 
 __all__ = ["FIRST_NM", "LAST_NM", "Passes", "check_range"]
 
@@ -20,13 +18,6 @@ __all__ = ["FIRST_NM", "LAST_NM", "Passes", "check_range"]
 PASS_SAMPLES = 1 << 21
 #: Pixels of a tile at most, so that a pass spreads several samples over each.
 _TILE_PIXELS = 1 << 18
-#: Steps of what a camera sample is drawn by, in 2^-32: pixel x and y, wavelength, lens u and v. Roberts' R4
-#: sequence, and for the fifth number, which is needed through a thin lens only, the square root of 2.
-_STEPS = (*roberts_steps(4), round((math.sqrt(2.0) - 1.0) * 2**32))
-
-#: Rounds of the cipher that makes numbers of pixel and seed: with Mitsuba's default of 4, neighbouring pixels
-#: and the two halves, whose seeds are neighbours, get numbers that go together; from 6 on none that do.
-_TEA_ROUNDS = 8
 #: Rays from the lights for each camera sample, where caustics are traced.
 _RAYS_A_SAMPLE = 1.0
 
@@ -92,7 +83,6 @@ class Passes:
         self._counts = [0, 0]
         self.unsound, self._unsound_of_pass = 0, 0
         self._shows: np.ndarray | None = None
-        self._generator = load_scene({"type": "multijitter"})
         self._draw = drawing_table()
         self._turns = 0
         found = scene.integrator().caustics(scene, self.sensor) if caustics else None
@@ -119,17 +109,14 @@ class Passes:
 
     def samples_of_a_pass(self) -> int:
         """Return the samples a pixel that keep a pass small in memory."""
-        return _stratified(max(1, PASS_SAMPLES // min(self.width * self.height, _TILE_PIXELS)))
+        most = max(1, PASS_SAMPLES // min(self.width * self.height, _TILE_PIXELS))
+        return int(1 << (most.bit_length() - 1))  # powers of two are the most even
 
     def add(self, spp: int) -> None:
         """Render `spp` samples a pixel more; the two halves take turns.
 
         Interrupted, it leaves the sums as they were.
         """
-        while spp != _stratified(spp):  # in parts that the strata go into
-            part = _stratified(spp)
-            self.add(part)
-            spp -= part
         half = self._turns % 2
         pixels = self.width * self.height
         sums = np.empty((pixels, self._n_channels), dtype=np.float32)
@@ -154,9 +141,8 @@ class Passes:
         nm : float
             Wavelength [nm].
         spp : int
-            Samples a pixel, at least 2; as many of them as fill a grid of strata (a square always does).
+            Samples a pixel, at least 2.
         """
-        spp = _stratified(spp)
         pixels = self.width * self.height
         out = np.empty((2, pixels))
         for first in range(0, pixels, _TILE_PIXELS):
@@ -253,8 +239,10 @@ class Passes:
 
     # ---- Kernels ----
 
-    def _samples(self, first: int, n: int, spp: int, index: int, seed: int) -> tuple[Any, ...]:
-        """Return pixel of the tile, and the five dimensions of its camera samples, in [0, 1)."""
+    def _samples(
+        self, first: int, n: int, spp: int, index: int, seed: int
+    ) -> tuple[Any, PixelSamples, list[Any]]:
+        """Return pixels, their samples, and what the camera is asked with: place, wavelength, lens."""
         import drjit as dr
         import mitsuba as mi
 
@@ -262,16 +250,12 @@ class Passes:
         pixel = lanes // spp
         number = lanes - pixel * spp + dr.opaque(mi.UInt32, index)
         pixel += dr.opaque(mi.UInt32, first)
-        shift_a, shift_b = mi.sample_tea_32(pixel, dr.opaque(mi.UInt32, seed), _TEA_ROUNDS)
-        shift_c, shift_d = mi.sample_tea_32(shift_a, shift_b, _TEA_ROUNDS)
-        shift_e, _ = mi.sample_tea_32(shift_c, shift_d, _TEA_ROUNDS)
-        shifts = (shift_a, shift_b, shift_c, shift_d, shift_e)
-        # In whole numbers modulo 2^32: as even after a million samples as at first
-        u = [
-            mi.Float((shift + number * mi.UInt32(step)) >> 8) * 2.0**-24
-            for shift, step in zip(shifts, _STEPS, strict=True)
-        ]
-        return pixel, u
+        samples = PixelSamples.of(pixel, number, seed)
+        x, y, nm, turn, *lens = samples.next(6)
+        # Wavelengths are drawn evenly from the first on: which of them is the first is drawn apart
+        lanes_of_nm = len(mi.Spectrum())
+        nm = dr.minimum((nm + dr.floor(turn * lanes_of_nm)) / lanes_of_nm, dr.one_minus_epsilon(mi.Float))
+        return pixel, samples, [x, y, nm, *lens]
 
     def _rays(self, pixel: Any, u: list[Any], wavelengths: Any) -> Any:
         import drjit as dr
@@ -289,17 +273,6 @@ class Passes:
         ray.wavelengths = wavelengths
         return ray
 
-    def _trace(
-        self, ray: Any, lanes: int, spp: int, seed: int, *, caustics: Any = None
-    ) -> tuple[Any, Any, list[Any]]:
-        self._generator.set_sample_count(spp)
-        self._generator.set_samples_per_wavefront(spp)
-        self._generator.seed(seed, lanes)
-        integrator = self.scene.integrator()
-        return integrator.sample_with_aovs(  # type: ignore[no-any-return]
-            self.scene, self._generator, ray, caustics=caustics
-        )
-
     def _traced(self, n: int, half: int) -> np.ndarray:
         """Return the mean radiance that n rays from the lights add, (pixels, channels) float32."""
         assert self._film is not None
@@ -316,11 +289,12 @@ class Passes:
         import drjit as dr
         import mitsuba as mi
 
-        pixel, u = self._samples(first, n, spp, self._counts[half], 2 * self.seed + half)
+        pixel, samples, u = self._samples(first, n, spp, self._counts[half], 2 * self.seed + half)
         nm, weight, response = self._draw(u[2])
-        seed = int(np.random.SeedSequence([self.seed, self._turns, first]).generate_state(1)[0])
         ray = self._rays(pixel, u, nm)
-        radiance, valid, aovs = self._trace(ray, n * spp, spp, seed, caustics=self._caustics)
+        radiance, valid, aovs = self.scene.integrator().sample_with_aovs(
+            self.scene, samples, ray, caustics=self._caustics
+        )
         xyz = [
             sum(L * w * r[k] for L, w, r in zip(radiance, weight, response, strict=True)) for k in range(3)
         ]
@@ -378,25 +352,15 @@ class Passes:
         import drjit as dr
         import mitsuba as mi
 
-        pixel, u = self._samples(first, n, spp, 0, 2 * (self.seed + seed))
+        pixel, samples, u = self._samples(first, n, spp, 0, 2 * (self.seed + seed))
         wavelengths = mi.Spectrum(dr.opaque(mi.Float, float(nm)))
-        state = int(np.random.SeedSequence([self.seed, seed, first, 1]).generate_state(1)[0])
-        radiance, _, _ = self._trace(self._rays(pixel, u, wavelengths), n * spp, spp, state)
+        ray = self._rays(pixel, u, wavelengths)
+        radiance, _, _ = self.scene.integrator().sample_with_aovs(self.scene, samples, ray)
         value = dr.mean(radiance)
         dr.eval(value)
         mean = dr.block_sum(value, spp) / spp
         spread = dr.block_sum(dr.square(value - dr.repeat(mean, spp)), spp) / (spp * max(spp - 1, 1))
         return np.stack([np.asarray(mean), np.sqrt(np.asarray(spread))])
-
-
-def _stratified(spp: int) -> int:
-    """Return the largest number of samples up to `spp` that fills a grid of strata, as Mitsuba lays it."""
-    while spp > 1:
-        across = math.isqrt(spp)
-        if spp % across == 0:
-            break
-        spp -= 1
-    return spp
 
 
 def check_range(low: float, high: float) -> None:

@@ -9,7 +9,7 @@ from gemrender.colorimetry import colour_matching, y_integral_nm
 from gemrender.cuts import load_stone
 from gemrender.errors import InputError
 from gemrender.render.backend import ensure_variant
-from gemrender.render.passes import Passes, _stratified, check_range
+from gemrender.render.passes import Passes, check_range
 from gemrender.render.photoreal import FILTER_RADIUS, make_gems
 from gemrender.scene.loading import load_scene
 from gemrender.scene.photoreal import photoreal_scene
@@ -46,19 +46,6 @@ def test_all_samples_are_counted(scene, spp):
     assert passes.samples == spp
 
 
-def test_samples_fill_mitsubas_strata():
-    """Its multijittered sampler rounds other numbers up, and pixels would get each other's samples."""
-    import mitsuba as mi
-
-    ensure_variant("llvm_ad_spectral")
-    sampler = mi.load_dict({"type": "multijitter"})
-    for spp in range(1, 300):
-        fitting = _stratified(spp)
-        assert 1 <= fitting <= spp
-        sampler.set_sample_count(fitting)
-        assert sampler.sample_count() == fitting
-
-
 @pytest.mark.parametrize(("setup", "number"), [("hemisphere", 16), ("arrows", 16), ("studio", 40)])
 def test_the_noise_is_the_error_on_the_stone(setup, number):
     """Stated of one picture, against the scatter of pictures of many seeds, with its jackknife error.
@@ -92,7 +79,7 @@ def test_camera_samples_of_neighbours_and_halves_have_nothing_in_common(scene):
     """Differences of independent numbers, modulo 1, are even: chi-square over 64 bins."""
     passes, n = Passes(scene), 1 << 16
     for seed in (0, 2, 1000):
-        first, second = ([np.asarray(x) for x in passes._samples(0, n, 1, 0, seed + k)[1]] for k in (0, 1))
+        first, second = ([np.asarray(x) for x in passes._samples(0, n, 1, 0, seed + k)[2]] for k in (0, 1))
         for a, b in zip(first, second, strict=True):
             for difference in (a - b, np.diff(a), a[::32][1:] - a[::32][:-1]):
                 counts, _ = np.histogram(difference % 1, 64, (0, 1))
@@ -212,7 +199,7 @@ def test_a_stone_in_a_stone_is_refused():
 
 def test_the_numbers_of_a_camera_sample_have_nothing_in_common(scene):
     """Sums and differences of two of them, modulo 1, are even over the samples of a pixel."""
-    u = [np.asarray(x) for x in Passes(scene)._samples(0, 1, 4096, 0, 3)[1]]
+    u = [np.asarray(x) for x in Passes(scene)._samples(0, 1, 4096, 0, 3)[2]]
     for k, a in enumerate(u):
         for b in u[:k]:
             for together in (a + b, a - b):
