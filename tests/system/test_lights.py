@@ -62,7 +62,7 @@ def test_a_light_seen_edge_on_makes_no_sample_that_is_no_number():
 def test_the_weight_of_two_densities_is_a_number(density, other, weight, variant_llvm_ad_spectral):
     import mitsuba as mi
 
-    mis_weight = sys.modules["gemrender.plugins.path"]._mis_weight
+    mis_weight = sys.modules["gemrender.plugins.direct"].mis_weight
     assert mis_weight(mi.Float(density), mi.Float(other))[0] == pytest.approx(weight, rel=SINGLE)
 
 

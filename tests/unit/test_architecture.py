@@ -36,7 +36,7 @@ LAYERS: list[dict[str, set[str]]] = [
     {"request": set()},
     {"reference": {"numpy"}},
     {"beam": {"numpy", "numba"}},
-    {"scene": {"numpy", "scipy", "mitsuba"}},
+    {"scene": {"numpy", "scipy", "mitsuba", "drjit"}},
     {"plugins": {"numpy", "mitsuba", "drjit"}},
     {"render": {"numpy", "numba", "mitsuba", "drjit", "colour", "OpenEXR", "PIL", "av", "mitsuba_oidn"}},
     {"engines": {"numpy"}},
