@@ -47,6 +47,15 @@ def pytest_collection() -> Iterator[None]:
         gc.freeze()
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with pictures.
+
+    Processes of xdist each begin with half of the tests. Where nothing is compiled yet, so only one of them
+    compiles numba's kernels, and the other one reads them later.
+    """
+    items.sort(key=lambda item: not item.path.name.startswith("test_render_"))
+
+
 def pytest_sessionfinish() -> None:
     gc.unfreeze()  # what Dr.Jit holds is let go in its order
 
