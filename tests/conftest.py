@@ -20,6 +20,7 @@ from observations import TERMINAL_VARIABLES
 
 from gemrender import cli
 from gemrender.errors import BackendError
+from gemrender.progress import ProgressLines
 from gemrender.render.backend import ensure_variant, prepare_llvm
 
 # Dr.Jit loads its LLVM while it is imported, and test modules import it. Where there is none, the variant
@@ -45,6 +46,15 @@ def pytest_collection() -> Iterator[None]:
         gc.enable()
         gc.collect()
         gc.freeze()
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with pictures.
+
+    Processes of xdist each begin with half of the tests. Where nothing is compiled yet, so only one of them
+    compiles numba's kernels, and the other one reads them later.
+    """
+    items.sort(key=lambda item: not item.path.name.startswith("test_render_"))
 
 
 def pytest_sessionfinish() -> None:
@@ -108,6 +118,8 @@ def gemrender(capsys, monkeypatch):
     """Run the command line in this process; returns exit status, stdout and stderr."""
     for variable in TERMINAL_VARIABLES:
         monkeypatch.delenv(variable, raising=False)
+    # On a busy machine a command may take so long that it says so
+    monkeypatch.setitem(ProgressLines.__init__.__kwdefaults__, "every", 3600.0)
 
     def run(*arguments):
         with pytest.raises(SystemExit) as caught:

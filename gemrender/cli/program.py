@@ -10,6 +10,7 @@ import os
 import sys
 import warnings
 from collections.abc import Iterator
+from functools import cache
 from typing import Annotated, Any, NoReturn
 
 import typer
@@ -123,9 +124,14 @@ def _warnings_on_stderr() -> Iterator[None]:
             log.removeHandler(handler)
 
 
+@cache  # a tenth of a second: all parameters of all commands
+def _commands() -> Any:
+    return typer.main.get_command(app)
+
+
 def _run(arguments: list[str] | None) -> int:
     try:
-        return int(app(arguments, standalone_mode=False) or 0)
+        return int(_commands()(arguments, standalone_mode=False) or 0)
     except OptionError as refused:
         return _fail(refused.error)
     except InputError as error:
@@ -153,8 +159,8 @@ def _as_argument(error: InputError) -> InputError:
     """Tell an error that came from no file as one of the command line's arguments and options."""
     if error.source is not None or error.key is None:
         return error
-    group: Any = typer.main.get_command(app)
-    given = {name for command in group.commands.values() for param in command.params for name in param.opts}
+    commands = _commands().commands.values()
+    given = {name for command in commands for param in command.params for name in param.opts}
     option = f"--{error.key.replace('_', '-')}"
     if error.key == "stone":
         return InputError(error.allowed, key="STONE", value=error.value)

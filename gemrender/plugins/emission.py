@@ -45,7 +45,9 @@ class Emission:
     def __init__(self, scene: mi.Scene, stones: list[mi.Shape]) -> None:
         spheres = _spheres(stones)
         self.n_spheres = len(spheres)
-        self._spheres = [mi.Float(np.ascontiguousarray(c, dtype=np.float32)) for c in spheres.T]
+        # Not of numpy's memory: it is aligned by chance, and kernels that read one sphere know how
+        self._spheres = [mi.Float(c.tolist()) for c in spheres.T]
+        dr.make_opaque(self._spheres)
         self._each = [tuple(dr.opaque(mi.Float, float(x)) for x in sphere) for sphere in spheres]
         #: Mean weight of a ray, over all lights; 0 where there is no light.
         self.mean_weight = 0.0

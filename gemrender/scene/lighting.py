@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from gemrender.colorimetry import (
 )
 from gemrender.scene.placing import towards
 from gemrender.scene.setup import Light, Setup
-from gemrender.scene.sky_boxes import draw_studio
+from gemrender.scene.sky_boxes import Box, draw_studio
 from gemrender.scene.sky_image import environment, read_sky_image
 from gemrender.scene.zones import Zone, layers
 
@@ -149,10 +150,17 @@ def _image_sky(setup: Setup, stock: bool) -> dict[str, Any]:
         if stock:
             to_rgb = _stock_matrix(setup) @ np.linalg.inv(matrix_to_linear_srgb())
     else:
-        pixels = draw_studio(of.boxes, radiance=of.radiance, spectrum=of.spectrum)
+        pixels = _drawn(of.boxes, of.radiance, of.spectrum)
         to_rgb = _stock_matrix(setup) if stock else matrix_to_linear_srgb()
     rgb = np.maximum(pixels @ to_rgb.T.astype(np.float32), 0)
     return environment(rgb, azimuth_deg=of.azimuth, scale=of.scale, stock=stock)
+
+
+@lru_cache(maxsize=2)  # two seconds each, and a film has one for all frames
+def _drawn(boxes: tuple[Box, ...], radiance: float, spectrum: str | float) -> np.ndarray:
+    pixels = draw_studio(boxes, radiance=radiance, spectrum=spectrum)
+    pixels.flags.writeable = False
+    return pixels
 
 
 def _stock_matrix(setup: Setup) -> np.ndarray:

@@ -192,26 +192,25 @@ def kernels(work):
 
 
 @pytest.mark.parametrize(
-    ("stone", "material", "wavelengths_nm"),
+    ("stone", "material", "nm"),
     [
-        ("inoue-1", "diamond", (400, 550, 700)),
-        ("inoue-1", "quartz", (700, 550, 400)),
-        ("inoue-3", "diamond", (550, 400, 700)),
-        ("inoue-3", "rutile", (400, 550, 700)),
-        ("hollow", "diamond", (550,)),
-        ("oval", "cubic zirconia", (400,)),
-        ("star", "quartz", (550,)),
-        ("heart", "quartz", (550,)),
+        *some([("inoue-1", "diamond", nm) for nm in (400, 550, 700)], 3),
+        *some([("inoue-1", "quartz", nm) for nm in (700, 550, 400)], 3),
+        *some([("inoue-3", "diamond", nm) for nm in (550, 400, 700)], 3),
+        *some([("inoue-3", "rutile", nm) for nm in (400, 550, 700)], 3),
+        ("hollow", "diamond", 550),
+        ("oval", "cubic zirconia", 400),
+        ("star", "quartz", 550),
+        ("heart", "quartz", 550),
     ],
 )
-def test_stone_cannot_be_seen_in_a_furnace(variant_llvm_ad_spectral, stone, material, wavelengths_nm):
+def test_stone_cannot_be_seen_in_a_furnace(variant_llvm_ad_spectral, stone, material, nm):
     # No absorption and light of radiance 1 from everywhere: radiance 1, whatever way it takes. A million
-    # samples of each wavelength; their only noise is Russian roulette.
+    # samples; their only noise is Russian roulette.
     passes = Passes(furnace(STONES[stone], surface(material=material)), seed=1)
-    for nm in some(wavelengths_nm, 3):
-        off, of_mean = off_by(*passes.radiance_at(nm, 1024))
-        assert of_mean < 1e-4
-        assert abs(off) <= THREE_SIGMA, nm
+    off, of_mean = off_by(*passes.radiance_at(nm, 1024))
+    assert of_mean < 1e-4
+    assert abs(off) <= THREE_SIGMA
 
 
 def test_furnace_has_no_bias_at_long_paths(variant_llvm_ad_spectral):

@@ -90,7 +90,7 @@ def compare(observation, rng, most_parted, percent):
 
 @pytest.mark.parametrize("name", STONES)
 def test01_reference(name, rng):
-    observation = observe(STONES[name](), engine="reference", resolution=RESOLUTION // 2)
+    observation = observe(STONES[name](), engine="reference", resolution=RESOLUTION // 4)
     compare(observation, rng, 0, REFERENCE_PERCENT)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from thorough import chosen
 
 from gemrender.cuts.construction.meet_points import LEAST_SHARE, MEET
 from gemrender.cuts.design import Design
@@ -52,11 +53,12 @@ def test_every_parameter_has_a_default_and_the_family_alone_is_a_stone(kind):
     assert stone.cut in (kind(), getattr(kind(), "proportions", kind)())
 
 
+@pytest.mark.parametrize("examples", chosen([60, 200], [60]))
 @pytest.mark.parametrize("kind", FAMILIES.values(), ids=FAMILIES)
-def test_over_the_whole_range_it_is_a_convex_stone_or_one_line(kind):
+def test_over_the_whole_range_it_is_a_convex_stone_or_one_line(kind, examples):
     made, refused = 0, []
 
-    @settings(max_examples=200, deadline=None, derandomize=True)
+    @settings(max_examples=examples, deadline=None, derandomize=True)
     @given(draws(kind))
     def holds(values):
         nonlocal made
@@ -87,7 +89,7 @@ def test_over_the_whole_range_it_is_a_convex_stone_or_one_line(kind):
         assert body.areas[~free].min() >= LEAST_SHARE * outline * (1 - ROUNDING)
 
     holds()
-    assert made >= 40  # of 200
+    assert made >= examples // 5
     assert not any("\n" in line for line in refused)
 
 
