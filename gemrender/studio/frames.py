@@ -40,8 +40,8 @@ class Effort(NamedTuple):
 MOVING, RESTING = Effort(0.2, 0.4, 1.0), Effort(0.05, 30.0, 2.0)
 #: Largest tilt that the map can be turned to [deg].
 MOST_TILT = 75.0
-#: Straight pieces of a round girdle in the drawing.
-_PIECES = 64
+#: Straight pieces of a round girdle in the drawing, while something is dragged and at rest.
+_FEW_PIECES, _PIECES = 32, 96
 _LONGEST_NAME = 100
 _SIDES = (CROWN, GIRDLE, PAVILION)
 
@@ -151,7 +151,7 @@ def frame(
     start = time.perf_counter()
     view = wanted.view(stone)
     measured, facets = traced(stone, view, effort)
-    solid, mesh = traced_solid(stone), tessellate(stone, _PIECES)
+    solid, mesh = traced_solid(stone), tessellate(stone, _PIECES if effort is RESTING else _FEW_PIECES)
     last = len(stone.facets) - 1
     header: dict[str, Any] = {
         "type": "frame",

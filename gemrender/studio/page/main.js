@@ -52,8 +52,8 @@ const wire = new Wire({
     frame(message) {
         frame = message;
         byId('refused').hidden = true;
+        solid.setFrame(frame); // traces the ray that the map shows
         map.setFrame(frame);
-        solid.setFrame(frame);
         scores.show(frame.score, store.baseline?.score);
         if (isCurrent(message)) find(document, '.view .busy').hidden = frame.isSettled;
     },

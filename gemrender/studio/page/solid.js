@@ -2,8 +2,11 @@
 
 import { Light, Ray, Stage, Tracer, announce, cards, data, find, geometryOf, number } from './shared.js';
 
-/** While the hand moves the 3D stone follows a little later: the map comes first [ms]. */
-const LATER = 60;
+/**
+ * The map comes first: while the hand moves the 3D stone follows a little later, and where drawing it takes long only
+ * once the hand rests [ms].
+ */
+const [SOON, AT_REST, LONG] = [30, 300, 12];
 
 export class Solid {
     constructor(stageRoot, rayRoot, map) {
@@ -11,6 +14,7 @@ export class Solid {
         this.path = null;
         this.point = null;
         this.stage = null;
+        this.cost = 0;
         cards.push(this);
     }
 
@@ -30,7 +34,7 @@ export class Solid {
         this.surfaces = Tracer.surfacesOf(this.stone.solid);
         clearTimeout(this.coming);
         this.trace();
-        if (this.stage) this.coming = setTimeout(() => this.update(), LATER);
+        if (this.stage) this.coming = setTimeout(() => this.update(), this.cost > LONG ? AT_REST : SOON);
         else this.update();
     }
 
@@ -82,7 +86,9 @@ export class Solid {
         this.isWaiting = true;
         requestAnimationFrame(() => {
             this.isWaiting = false;
+            const start = performance.now();
             this.stage?.draw();
+            this.cost = performance.now() - start;
         });
     }
 }
