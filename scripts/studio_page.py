@@ -1,7 +1,7 @@
 """Use the studio in a headless Chromium: how long a move takes to be drawn, and what the page looks like.
 
     python scripts/studio_page.py latency inoue-3 oval-classic     time from a slider's event to the drawn map
-    python scripts/studio_page.py drag inoue-3 --seconds 600       random dragging: memory, and the last state wins
+    python scripts/studio_page.py drag inoue-3 --seconds 600       random dragging: memory, the last state wins
     python scripts/studio_page.py picture docs/studio.png          a screenshot
 
 Needs playwright and a Chromium. The times are those of a page and a server that share this machine.
@@ -120,12 +120,16 @@ def drag(stone: str, seconds: float, seed: int) -> None:
                 told = time.monotonic() + max(seconds / 10, 5.0)
                 heap = page.evaluate("performance.memory ? performance.memory.usedJSHeapSize / 2**20 : 0")
                 print(f"{count} moves: server {_resident(server.pid):.0f} MiB, page {heap:.0f} MiB")
-        page.wait_for_function(
-            "() => document.documentElement.dataset.rested === document.documentElement.dataset.drawn",
-            timeout=300_000,
-        )
+        rest(page)
         shown = page.evaluate("document.documentElement.dataset.drawn")
         print(f"{count} moves; the state that is drawn is number {shown}, and the page rests")
+
+
+def rest(page: Any) -> None:
+    """Wait until all is found out about what is shown."""
+    told = "document.documentElement.dataset"
+    while not page.evaluate(f"{told}.rested === {told}.drawn"):
+        page.wait_for_timeout(200)
 
 
 def _resident(pid: int) -> float:
@@ -140,10 +144,7 @@ def picture(file: Path) -> None:
         page.click("#keep")
         page.evaluate(MOVE, ["pavilion_angle", 40.9])
         page.wait_for_selector(".around canvas")
-        page.wait_for_function(
-            "() => document.documentElement.dataset.rested === document.documentElement.dataset.drawn",
-            timeout=300_000,
-        )
+        rest(page)
         page.screenshot(path=str(file))
 
 
