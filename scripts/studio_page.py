@@ -1,7 +1,7 @@
 """Use the studio in a headless Chromium: how long a move takes to be drawn, and what the page looks like.
 
     python scripts/studio_page.py latency inoue-3 oval-classic     time from a slider's event to the drawn map
-    python scripts/studio_page.py drag inoue-3 --seconds 600       random dragging: memory, the last state wins
+    python scripts/studio_page.py drag inoue-3 --seconds 600       random dragging: memory, and the last state
     python scripts/studio_page.py picture docs/studio.png          a screenshot
 
 Needs playwright and a Chromium. The times are those of a page and a server that share this machine.

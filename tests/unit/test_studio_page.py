@@ -131,7 +131,7 @@ def test_the_page_is_used_by_hand_and_by_keys_and_outlives_its_server(browser):
         assert page.evaluate("document.documentElement.scrollWidth") <= 390
         unnamed = page.eval_on_selector_all(
             "button, input:not([hidden]), select, summary, canvas[role]",
-            "all => all.filter((e) => !(e.ariaLabel || e.innerText?.trim() || e.labels?.length))"
+            "all => all.filter((e) => !(e.ariaLabel || e.textContent.trim() || e.labels?.length))"
             ".map((e) => e.outerHTML)",
         )
         assert not unnamed
