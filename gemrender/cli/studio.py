@@ -41,11 +41,16 @@ def studio(
     from gemrender.studio.serve import check_installed, serve
 
     check_installed()
+    from gemrender.studio.cuttings import check_convex
+
     loaded = load(stones or [_FIRST], {}, material=of.material)
+    begun = list(loaded.stones)
+    for stone in begun:
+        check_convex(stone)
     loaded.tell()
 
     def tell(address: str) -> None:
         typer.echo(address)
         say("gemrender: the studio runs at this address until Ctrl-C")
 
-    serve(list(loaded.stones), host=host, port=port, open_browser=browser, tell=tell)
+    serve(begun, host=host, port=port, open_browser=browser, tell=tell)

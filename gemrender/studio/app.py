@@ -75,8 +75,8 @@ def make_app(desk: Desk, token: str, port: int, host: str = "127.0.0.1") -> App:
     files = _files()
 
     async def file(request: Request) -> Response:
-        name = request.path_params.get("name", "index.html")
-        if name not in files:
+        name = request.path_params["name"]
+        if name not in files or name.endswith(".html"):  # a template, which `page` fills
             return PlainTextResponse("no such file", 404)
         kind, data = files[name]
         return Response(data, media_type=kind)

@@ -27,7 +27,7 @@ from gemrender.errors import InputError
 from gemrender.stone import Stone
 from gemrender.studio.texts import asc_text, design_of_text, is_number, known_material
 
-__all__ = ["Opened", "Slider", "family_cutting", "opened", "stone_of"]
+__all__ = ["Opened", "Slider", "check_convex", "family_cutting", "opened", "stone_of"]
 
 #: What laboratories call parameters, where that is not the name with blanks.
 _LABELS = {
@@ -121,11 +121,33 @@ class Opened:
         return {**asdict(self), "sliders": [asdict(slider) for slider in self.sliders]}
 
 
+def check_convex(stone: Stone) -> None:
+    """See that the exact engine traces a stone.
+
+    Raises
+    ------
+    InputError
+        It is not convex.
+    """
+    if not stone.is_convex:
+        raise InputError(
+            "is not convex, and the studio shows convex stones only; gemrender report shows it",
+            source=stone.source or stone.name,
+        )
+
+
 # ---- Opening -------------------------------------------------------------------------------------------
 
 
 def opened(stone: Stone, key: str) -> Opened:
-    """Return a stone as a page works at it; `key` is what the shelf knows it by."""
+    """Return a stone as a page works at it; `key` is what the shelf knows it by.
+
+    Raises
+    ------
+    InputError
+        It is not convex.
+    """
+    check_convex(stone)
     cut: dict[str, Any]
     sliders: tuple[Slider, ...]
     of = stone.cut

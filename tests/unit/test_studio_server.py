@@ -8,6 +8,7 @@ import struct
 import pytest
 
 import gemrender
+from gemrender.cli.program import run
 from gemrender.studio.desk import Desk
 from gemrender.studio.serve import listen
 
@@ -76,7 +77,7 @@ def test_without_the_token_nothing_is_served(client, path):
     [
         "assets/../app.py", "assets/..%2fapp.py", "assets/%2e%2e%2f%2e%2e%2fcli%2fstudio.py",
         "assets//etc/passwd", "assets/%2fetc%2fpasswd", "assets/app.py", "assets/", "../app.py",
-        "assets/main.js/..",
+        "assets/main.js/..", "assets/index.html",
     ],
 )  # fmt: skip
 def test_no_path_leads_out_of_the_pages_own_files(client, path):
@@ -166,3 +167,19 @@ def test_a_port_that_is_taken_is_told():
         listen("no such host", 0)
     with pytest.raises(gemrender.InputError, match="65535"):
         listen("127.0.0.1", 70_000)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["no-such-stone"], "no-such-stone: no such file"),
+        (["--port", "x"], "--port = 'x'"),
+        (["--port", "70000"], "--port = 70000"),
+        (["--host", "no such host"], "--host = 'no such host'"),
+    ],
+)
+def test_the_command_refuses_in_one_line(capsys, arguments, words):
+    assert run(["studio", "--no-browser", *arguments]) == 2
+    told = capsys.readouterr().err.splitlines()
+    assert len(told) == 1
+    assert words in told[0]

@@ -9,6 +9,7 @@ import struct
 import numpy as np
 import pytest
 from refusals import refused
+from solids import star_prism
 
 import gemrender
 from gemrender.cuts.families import families
@@ -82,6 +83,10 @@ def test_a_designs_tier_turns_whatever_becomes_of_its_meets(meets):
     assert len(made.facets) == len(stone.facets)
     angles = np.degrees(np.arccos(np.abs(made.facet_normals[:, 2])))
     assert np.isclose(angles, slider.value + 0.2, atol=1e-6).any()
+
+
+def test_a_stone_that_is_not_convex_is_not_opened():
+    refused(lambda: opened(star_prism(), ""), "not convex")
 
 
 def test_what_cannot_be_is_told_in_a_line():

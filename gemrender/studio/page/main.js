@@ -7,6 +7,7 @@ import { Curve } from './curve.js';
 import { FacetMap } from './facetmap.js';
 import { download, fillSaveMenu, listenForFiles, listenToMenus } from './files.js';
 import { MODES } from './modes.js';
+import { Profile } from './profile.js';
 import { Scores } from './scores.js';
 import { Sliders } from './sliders.js';
 import { Solid } from './solid.js';
@@ -20,6 +21,11 @@ const map = new FacetMap(find(document, '.view .frame'), {
 });
 const solid = new Solid(find(document, '.stage'), find(document, '.ray'), map);
 const sliders = new Sliders(byId('sliders'), moved);
+const profile = new Profile(find(document, '.profile'), (values, words) => {
+    const { cut } = store.state;
+    store.set({ cut: { ...cut, values: { ...cut.values, ...values } } }, words);
+});
+solid.shown = () => profile.show(solid.stone.mesh, solid.geometry, valuesOf(store.state));
 const scores = new Scores(find(document, '.numbers'), {
     light: (which, how) => light(which, how),
     asked: (measures) => store.set({ measures }, measures.length ? `Measures ${measures.join(', ')}` : 'No measures'),
@@ -98,6 +104,7 @@ function changed(state, isOther) {
     if (isOther) {
         sliders.fill(store.sliders, valuesOf(state));
         scores.choose(state.measures);
+        profile.root.hidden = !('pavilion_angle' in valuesOf(state));
         around.root.hidden = !('crown_angle' in valuesOf(state) && 'pavilion_angle' in valuesOf(state));
     }
     sliders.show(shownValues(state), store.baseline && shownValues(store.baseline.state));
@@ -164,6 +171,18 @@ const begun = (opened) => ({
     mode: store.state?.mode ?? 'intensity',
 });
 
+/** The state of a link, as far as the page itself relies on it; the server checks the rest. */
+function checked(state, plain) {
+    const isNumber = (value) => typeof value === 'number' && Number.isFinite(value);
+    const { number: _, ...out } = { ...plain, ...state, cut: { ...state.cut, values: { ...state.cut.values } } };
+    if (!(out.mode in MODES)) out.mode = plain.mode;
+    if (!isNumber(out.view?.tilt) || !isNumber(out.view?.azimuth)) out.view = plain.view;
+    if (!isNumber(out.head)) out.head = plain.head;
+    if (!Array.isArray(out.measures)) out.measures = [];
+    out.name = String(out.name).slice(0, 100);
+    return out;
+}
+
 async function begin() {
     const link = await Store.readLink();
     if (link) {
@@ -188,8 +207,7 @@ function take(stones) {
     const link = asked.get('link');
     asked.delete('link');
     if (link) {
-        const { number: _, ...state } = { ...begun(first), ...link.state };
-        store.open(state, first.sliders, 'Link');
+        store.open(checked(link.state, begun(first)), first.sliders, 'Link');
         if (link.baseline) askBaseline(link.baseline);
         return;
     }
@@ -325,9 +343,10 @@ function keepBaseline() {
     store.writeLink();
 }
 
-/** A baseline out of a link: its numbers are as they were told there. */
+/** A baseline out of a link: its numbers are as they were told there, six bands among them. */
 function askBaseline({ state, score, name }) {
-    if (!state?.cut || !Number.isFinite(score?.average) || !Array.isArray(score.bands)) return;
+    const numbers = [score?.average, score?.rear, score?.bound, ...(score?.bands ?? []).map((of) => of?.share)];
+    if (!state?.cut || numbers.length < 9 || !numbers.every(Number.isFinite)) return;
     setBaseline({ state, score, name: String(name), sliders: store.sliders, text: JSON.stringify({ state, score, name }) });
 }
 

@@ -60,7 +60,7 @@ export const MODES = {
         'Arrows', 'What mirrors the viewer’s head is black, light from beside it red, leakage white',
         [
             { name: 'head', colour: '#111111' },
-            ...TONES.toReversed().map((colour, k) => ({ name: ['bright', '', '', '', 'faint'][k], colour })),
+            ...TONES.toReversed().map((colour, k) => ({ name: `${80 - 20 * k} – ${100 - 20 * k} %`, colour })),
             { name: 'leakage', colour: '#ffffff' },
         ],
         (of, i, { head }) => {

@@ -43,7 +43,7 @@ export class Scores {
             find(row, '.swatch').style.background = bandColour(which);
             find(row, '.words').textContent = name;
             find(row, '.bar i').style.background = bandColour(which);
-            find(row, '.bar i').style.width = `${(55 * of) / widest}%`;
+            find(row, '.bar i').style.width = `${(42 * of) / widest}%`;
             const by = before === undefined ? '' : ` ${signed(of - before, 1)}`;
             find(row, '.bar span').replaceChildren(share(of), element('small', {}, by));
         });

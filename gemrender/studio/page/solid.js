@@ -14,6 +14,7 @@ export class Solid {
         this.path = null;
         this.point = null;
         this.stage = null;
+        this.shown = () => {};
         this.cost = 0;
         cards.push(this);
     }
@@ -46,6 +47,7 @@ export class Solid {
         this.fillRay();
         this.redraw();
         if (this.map.withLines) this.map.redraw();
+        this.shown();
     }
 
     trace() {
