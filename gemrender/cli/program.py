@@ -31,6 +31,7 @@ from gemrender.cli.scene import scene
 from gemrender.cli.score import score
 from gemrender.cli.sensitivity import sensitivity
 from gemrender.cli.show import show
+from gemrender.cli.studio import studio
 from gemrender.cli.symmetry import symmetry
 from gemrender.cli.tilt import tilt
 from gemrender.cli.tolerance import tolerance
@@ -64,8 +65,8 @@ app = typer.Typer(
 )
 
 for _command in (
-    score, compare, sensitivity, show, report, render, symmetry, tilt, tolerance, improve, atlas, crosscheck,
-    scene, convert, inspect, stones, setups, materials, measures, doctor,
+    score, compare, sensitivity, show, report, render, symmetry, tilt, tolerance, improve, atlas, studio,
+    crosscheck, scene, convert, inspect, stones, setups, materials, measures, doctor,
 ):  # fmt: skip
     app.command()(_command)
 

@@ -45,6 +45,7 @@ LAYERS: list[dict[str, set[str]]] = [
     {"crosscheck": {"numpy"}, "stereo": {"numpy"}},
     {"sweep": {"numpy", "scipy", "drjit", "pymoo", *_ATLASES}},
     {"report": {"numpy", "matplotlib", "mpl_toolkits", "rich", "OpenEXR", "colour"}},
+    {"studio": {"numpy", "starlette", "uvicorn", "websockets"}},
     {"cli": {"numpy", "typer", "rich"}},
     {"__main__": set()},
 ]

@@ -92,16 +92,13 @@ const GemStage = (() => {
             );
             find(root, '.failure').hidden = renderer() !== null;
             this.build();
+            this.fill();
             this.show('tilted');
             this.listen(root);
         }
 
         build() {
-            const { positions, normals, outlines, wall } = this.card.geometry;
-            this.wall = wall;
-            const geometry = new THREE.BufferGeometry();
-            geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(positions), 3));
-            geometry.setAttribute('normal', new THREE.BufferAttribute(new Float32Array(normals), 3));
+            const geometry = (this.faces = new THREE.BufferGeometry());
             this.uniforms = { eye: { value: new THREE.Vector3() }, lamp: { value: new THREE.Vector3() } };
             const facets = (side, strength) =>
                 new THREE.Mesh(
@@ -127,7 +124,6 @@ const GemStage = (() => {
                         depthWrite: opacity === 1,
                     }),
                 );
-            const outline = outlines.flatMap(({ from, to }) => [...from, ...to]);
             const depth = new THREE.MeshBasicMaterial({
                 colorWrite: false,
                 polygonOffset: true,
@@ -141,7 +137,6 @@ const GemStage = (() => {
             this.met = facets(THREE.DoubleSide, 1);
             this.met.geometry = new THREE.BufferGeometry();
             this.met.material.uniforms.highlight = { value: 1 };
-            for (const drawn of [this.hidden, this.visible]) drawn.geometry.setPositions(outline);
             this.ray.visible = false;
             // From the back to the front: far facets, far edges, the ray, near facets, near edges.
             this.scene = new THREE.Scene();
@@ -161,6 +156,17 @@ const GemStage = (() => {
                 child.material.transparent = true; // all in one queue, sorted by that order
             });
             this.camera = new THREE.OrthographicCamera(-1, 1, 1, -1, 0.1, 40);
+        }
+
+        /** Take over the card's stone; again where it has changed. */
+        fill() {
+            const { positions, normals, outlines, wall } = this.card.geometry;
+            this.wall = wall;
+            this.faces.dispose();
+            this.faces.setAttribute('position', new THREE.BufferAttribute(new Float32Array(positions), 3));
+            this.faces.setAttribute('normal', new THREE.BufferAttribute(new Float32Array(normals), 3));
+            const outline = outlines.flatMap(({ from, to }) => [...from, ...to]);
+            for (const drawn of [this.hidden, this.visible]) setLines(drawn, outline);
             const { vertices } = this.card.stone.mesh;
             const heights = vertices.map((v) => v[2]);
             const [bottom, top] = [Math.min(...heights), Math.max(...heights)];

@@ -1,0 +1,145 @@
+"""What is worked at for one page: the newest state it wants, and, while that stays, studies of it.
+
+Two threads: one makes frames, the other studies; what the page does not want any more is dropped, before it
+is begun or while it is worked at.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+from gemrender.beam import prepare
+from gemrender.errors import GemrenderError, InputError
+from gemrender.stone import Stone
+from gemrender.studio.frames import MOVING, RESTING, Wanted, frame
+from gemrender.studio.protocol import packed
+from gemrender.studio.studies import Outdated, studies
+
+__all__ = ["Live"]
+
+#: Nothing has moved for so long before studies begin [s].
+_REST = 0.25
+
+_log = logging.getLogger("gemrender.studio")
+
+Send = Callable[[bytes], None]
+
+
+class Live:
+    """The work for one page.
+
+    Parameters
+    ----------
+    shelf : dict of str to Stone
+        The stones that were opened, by key; may grow.
+    send : callable
+        Takes a message for the page; called by other threads.
+    """
+
+    def __init__(self, shelf: dict[str, Stone], send: Send) -> None:
+        self._shelf, self._send = shelf, send
+        self._changed = threading.Condition()
+        self._newest: Mapping[str, Any] | None = None
+        self._generation, self._done = 0, 0
+        self._shown: tuple[int, Wanted, Stone] | None = None
+        self._is_closed = False
+        self._threads = [
+            threading.Thread(target=work, name=f"studio {name}", daemon=True)
+            for name, work in (("frames", self._make_frames), ("studies", self._study))
+        ]
+        for thread in self._threads:
+            thread.start()
+
+    def want(self, told: Mapping[str, Any]) -> None:
+        """Take over what the page wants; what it wanted before is dropped."""
+        with self._changed:
+            self._newest = told
+            self._generation += 1
+            self._changed.notify_all()
+
+    def close(self, wait: float = 0.0) -> None:
+        """End the work; with a time [s] wait so long for the threads to end."""
+        with self._changed:
+            self._is_closed = True
+            self._generation += 1
+            self._changed.notify_all()
+        for thread in self._threads:
+            thread.join(wait)
+
+    # ---- Frames ----
+
+    def _make_frames(self) -> None:
+        prepare()
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._is_closed or self._done != self._generation)
+                if self._is_closed:
+                    return
+                generation, told = self._generation, self._newest
+            assert told is not None
+            shown = self._frame(told)
+            with self._changed:
+                self._done = generation
+                self._shown = None if shown is None else (generation, *shown)
+                self._changed.notify_all()
+
+    def _frame(self, told: Mapping[str, Any]) -> tuple[Wanted, Stone] | None:
+        """Send a frame, or in one line why there is none."""
+        number = told.get("number")
+        try:
+            wanted = Wanted.of(told)
+            stone = wanted.stone(self._shelf)
+            self._send(packed(*frame(wanted, stone, MOVING)))
+        except (GemrenderError, RecursionError) as error:
+            self._refuse(number, error)
+            return None
+        except Exception as error:
+            _log.warning("studio: %s: %s", type(error).__name__, error)
+            self._refuse(number, InputError("cannot be shown; the server's terminal says more"))
+            return None
+        return wanted, stone
+
+    def _refuse(self, number: object, error: Exception) -> None:
+        self._send(packed({"type": "refused", "number": number, "why": " ".join(str(error).split())}))
+
+    # ---- Studies ----
+
+    def _study(self) -> None:
+        studied = 0
+        while (shown := self._rested(studied)) is not None:
+            studied, wanted, stone = shown
+            check = partial(self._check, studied)
+            try:
+                self._settle(check, wanted, stone)
+                for message in studies(wanted, stone, self._shelf, check):
+                    check()
+                    self._send(packed(message))
+                self._send(packed({"type": "rested", "number": wanted.number}))
+            except Outdated:
+                continue
+            except Exception as error:  # a study that fails is one that is missing
+                _log.warning("studio: %s: %s", type(error).__name__, error)
+
+    def _rested(self, studied: int) -> tuple[int, Wanted, Stone] | None:
+        """Wait until something else than what was studied is shown, and for a while; None at the end."""
+        with self._changed:
+            while not self._is_closed:
+                if self._shown is None or self._shown[0] == studied or self._shown[0] != self._generation:
+                    self._changed.wait()
+                elif not self._changed.wait(_REST):
+                    return self._shown
+            return None
+
+    def _settle(self, check: Callable[[], None], wanted: Wanted, stone: Stone) -> None:
+        """Send the frame again with the bound that scores have at rest."""
+        header, arrays = frame(wanted, stone, RESTING)
+        check()
+        self._send(packed(header, arrays))
+
+    def _check(self, generation: int) -> None:
+        if self._generation != generation:
+            raise Outdated

@@ -1,0 +1,147 @@
+"""The studio's page in a headless Chromium against a running server."""
+
+from __future__ import annotations
+
+import threading
+import time
+from contextlib import contextmanager
+
+import pytest
+from browser_help import CHROMIUM, CONTRASTS, FLAGS, LEAST_CONTRAST
+
+import gemrender
+from gemrender.studio.desk import Desk
+from gemrender.studio.serve import listen
+from gemrender.studio.texts import saved
+
+pytest.importorskip("uvicorn")
+playwright = pytest.importorskip("playwright.sync_api")
+
+import uvicorn  # noqa: E402
+
+from gemrender.studio.app import make_app  # noqa: E402
+
+TOKEN = "the-token"
+#: Long enough for a machine that has much else to do [ms].
+PATIENCE = 120_000
+
+
+@contextmanager
+def running(port=0):
+    """A studio's server in a thread; yields its port."""
+    with listen("127.0.0.1", port) as listening:
+        port = listening.getsockname()[1]
+        app = make_app(Desk([gemrender.load_stone("inoue-3")]), TOKEN, port)
+        server = uvicorn.Server(
+            uvicorn.Config(app, log_level="error", access_log=False, timeout_graceful_shutdown=1)
+        )
+        thread = threading.Thread(target=server.run, kwargs={"sockets": [listening]})
+        thread.start()
+        try:
+            while not server.started:
+                time.sleep(0.01)
+            yield port
+        finally:
+            server.should_exit = True
+            thread.join(60)
+
+
+@pytest.fixture(scope="module")
+def browser():
+    if CHROMIUM is None:
+        pytest.skip("no Chromium here")
+    with playwright.sync_playwright() as started:
+        made = started.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield made
+        made.close()
+
+
+def drawn(page, after=0):
+    """Wait until a state later than this one is drawn; its number."""
+    until(page, f"Number(document.documentElement.dataset.drawn ?? 0) > {after}")
+    return int(page.evaluate("document.documentElement.dataset.drawn"))
+
+
+def until(page, expression):
+    """Wait for something; the page's own policy lets nobody evaluate text in it while it waits."""
+    end = time.monotonic() + PATIENCE / 1000
+    while not page.evaluate(expression):
+        assert time.monotonic() < end, expression
+        page.wait_for_timeout(20)
+
+
+def test_the_page_is_used_by_hand_and_by_keys_and_outlives_its_server(browser):
+    context = browser.new_context(viewport={"width": 1400, "height": 900}, accept_downloads=True)
+    context.set_default_timeout(PATIENCE)
+    page, errors, asked = context.new_page(), [], []
+    page.on("console", lambda message: message.type == "error" and errors.append(message.text))
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.on("request", lambda request: asked.append(request.url))
+    average = page.locator(".headline .average")
+    with running() as port:
+        page.goto(f"http://127.0.0.1:{port}/{TOKEN}/")
+        number = drawn(page)
+        assert average.inner_text().startswith("60.40")
+
+        # A key on a slider is a step; the state behind it can be undone, and done again.
+        page.press("#slider-pavilion_angle", "ArrowRight")
+        number = drawn(page, number)
+        assert not average.inner_text().startswith("60.40")
+        page.keyboard.press("Control+z")
+        number = drawn(page, number)
+        assert average.inner_text().startswith("60.40")
+        page.keyboard.press("Control+y")
+        number = drawn(page, number)
+
+        # What cannot be is one line, and the last good map stays.
+        page.fill("#sliders input[type=number] >> nth=0", "99")
+        page.press("#sliders input[type=number] >> nth=0", "Enter")
+        page.wait_for_selector("#refused:not([hidden])")
+        assert "table" in page.inner_text("#refused")
+        page.click("#undo")
+        number = drawn(page, number)
+
+        # A click chooses the ray; a drag tilts.
+        box = page.locator(".view .over").bounding_box()
+        middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        page.mouse.click(middle[0] + 0.2 * box["width"], middle[1])
+        assert "reaches the eye" in page.inner_text(".ray .sentence")
+        page.mouse.move(*middle)
+        page.mouse.down()
+        page.mouse.move(middle[0] + 60, middle[1], steps=3)
+        page.mouse.up()
+        number = drawn(page, number)
+        assert 9 < float(page.input_value("#tilt")) < 13
+
+        # A file is opened, and what is saved of it is the same design.
+        design = saved(gemrender.load_stone("princess-ideal"), "asc")
+        page.set_input_files("#file", {"name": "mine.asc", "mimeType": "text/plain", "buffer": design})
+        until(page, "document.getElementById('name').value === 'mine'")
+        number = drawn(page, number)
+        page.click("#save summary")
+        with page.expect_download() as download:
+            page.click("#save [data-kind=asc]")
+        assert download.value.suggested_filename == "mine.asc"
+
+        assert all(ratio >= LEAST_CONTRAST for ratio, _ in page.evaluate(CONTRASTS))
+        page.click("#theme")
+        low = [told for told in page.evaluate(CONTRASTS) if told[0] < LEAST_CONTRAST]
+        assert not low
+        page.set_viewport_size({"width": 390, "height": 844})
+        assert page.evaluate("document.documentElement.scrollWidth") <= 390
+        unnamed = page.eval_on_selector_all(
+            "button, input:not([hidden]), select, summary, canvas[role]",
+            "all => all.filter((e) => !(e.ariaLabel || e.textContent.trim() || e.labels?.length))"
+            ".map((e) => e.outerHTML)",
+        )
+        assert not unnamed
+        assert not errors
+        assert all(url.startswith((f"http://127.0.0.1:{port}/", "blob:", "data:")) for url in asked)
+
+    page.wait_for_selector("#lost:not([hidden])")
+    before = page.evaluate("document.documentElement.dataset.drawn")
+    with running(port):
+        page.wait_for_selector("#lost", state="hidden")
+        page.press("#tilt", "ArrowRight")
+        drawn(page, int(before))
+    context.close()
