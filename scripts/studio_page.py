@@ -62,12 +62,18 @@ def opened(address: str, width: int = 1400, height: int = 900, scheme: Any = "li
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium, args=FLAGS)
         page = browser.new_page(viewport={"width": width, "height": height}, color_scheme=scheme)
-        page.on("console", lambda message: message.type == "error" and print("console:", message.text))
+        page.on("console", _tell_error)
         page.on("pageerror", lambda error: print("error:", error))
         page.goto(address)
         page.wait_for_selector("html[data-drawn]", timeout=120_000)
         yield page
         browser.close()
+
+
+def _tell_error(message: Any) -> None:
+    """Print what the page's console has as an error."""
+    if message.type == "error":
+        print("console:", message.text)
 
 
 def ranges(page: Any) -> list[tuple[str, float, float]]:
