@@ -3,7 +3,7 @@
     python scripts/benchmark_photoreal.py [--size 128] [--shortest 0.5] [--longest 16] [--repeats 3]
                                           [--reference 64] [--errors 0.1 0.05 0.02] [--seed 1] [--out DIR]
                                           [--scenes alone ground small] [--contestants gem_path path LuxCore]
-                                          [--clock wall processor]
+                                          [--kinds bidirectional lights] [--clock wall processor]
 
 gem_path and LuxCore (`pip install pyluxcore`) render with dispersion, Mitsuba's `path` without. The same
 stone, lights, camera and size; all on all cores, each in a process of its own, one at a time.
@@ -164,7 +164,8 @@ def best_kind(
 ) -> Entry | None:
     """Try all kinds of a contestant; return that of the least error in the same time, if any runs here."""
     best, least = None, np.inf
-    for kind in BUILDERS[name]:
+    kinds = [kind for kind in BUILDERS[name] if any(word in kind for word in options.kinds)]
+    for kind in kinds or BUILDERS[name]:
         try:
             entry = begin(view, name, kind)
         except ContestantError as error:
@@ -342,6 +343,10 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--scenes", nargs="+", choices=list(SCENES), default=list(SCENES))
     parser.add_argument("--contestants", nargs="+", choices=list(BUILDERS), default=list(BUILDERS))
+    parser.add_argument(
+        "--kinds", nargs="+", default=[""], metavar="WORD",
+        help="try kinds with one of these words in their name only, of contestants that have any",
+    )  # fmt: skip
     parser.add_argument("--out", type=Path, metavar="FOLDER", help="where to put the references' pictures")
     options = parser.parse_args()
     print(f"{platform.machine()}, {cores()} cores; {options.size} x {options.size} pixels")

@@ -29,11 +29,10 @@ def check_installed() -> None:
     """
     try:
         import starlette  # noqa: F401
-        import uvicorn
+        import uvicorn  # noqa: F401
         import websockets  # noqa: F401
     except ImportError as error:
         raise BackendError(f"the studio needs {error.name}; to get it: {_CURE}") from error
-    assert uvicorn
 
 
 def listen(host: str, port: int) -> socket.socket:
