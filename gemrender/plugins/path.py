@@ -58,7 +58,8 @@ class PathIntegrator(mi.SamplingIntegrator):
       ones all light has the wavelength of the stone's ``gem_dielectric``.
     - **Absorption** along the way inside, by the material (Beer and Lambert).
     - Russian roulette goes by the throughput, and total reflection does not lessen it: long bright paths are
-      not clipped. Multiple importance sampling (power heuristic) at all other surfaces.
+      not clipped. Multiple importance sampling (power heuristic) at all other surfaces; at the first one that
+      is seen each light has a sample of its own, or, of more than eight, each eighth of them.
 
     With ``aovs``, the film gets ``albedo.R``, ``.G``, ``.B`` (1 on stones) and ``normal.X``, ``.Y``, ``.Z``
     of the first surface too.
@@ -75,10 +76,10 @@ class PathIntegrator(mi.SamplingIntegrator):
     Stones that lie face to face, closer than a ray starts from a facet, are taken without air between them,
     and a ``GemrenderWarning`` says so.
 
-    Light that small lamps throw through stones on diffuse surfaces is found by chance only. ``gemrender
-    render`` traces it from the lamps instead, and tells the integrator to leave it out: of each path that
-    ends on a small lamp, whose first surface from the camera is diffuse, and whose last diffuse surface only
-    stones part from the lamp.
+    Light that lamps throw through stones on diffuse surfaces is found by chance only. ``gemrender render``
+    traces that of lamps which the stones see under less than 0.5 sr from the lamps instead, and tells the
+    integrator to leave it out: of each path that ends on such a lamp, whose first surface from the camera is
+    diffuse, and whose last diffuse surface only stones part from the lamp.
 
     At a rough girdle (``girdle_alpha``) one way is drawn, out or in, that carries all the light; where a path
     first enters a dispersive stone there, it goes on with one wavelength, drawn of all. Light that is traced
