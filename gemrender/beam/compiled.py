@@ -24,7 +24,18 @@ from numba.extending import intrinsic, overload
 from gemrender.beam.budget import PAUSED
 from gemrender.beam.cache import KernelCache
 
-__all__ = ["STEP", "bits", "is_dual", "jit", "jit_fast", "jit_inner", "jit_with_arrays", "real", "root"]
+__all__ = [
+    "COMPILING",
+    "STEP",
+    "bits",
+    "is_dual",
+    "jit",
+    "jit_fast",
+    "jit_inner",
+    "jit_with_arrays",
+    "real",
+    "root",
+]
 
 #: Imaginary part that stands for a derivative of 1: its square is nothing beside any real part.
 STEP = 1e-30
@@ -33,8 +44,8 @@ STEP = 1e-30
 #: argument: half of the time that polygons took. Who makes an array needs it.
 _UNCOUNTED = {"_nrt": False}
 _INNER = {**_UNCOUNTED, "no_cpython_wrapper": True}
-#: Who compiles or loads a kernel: numba fails where two threads find out what one kernel calls.
-_COMPILING = threading.RLock()
+#: Held by who compiles or loads a kernel, or has numba refresh what it knows: where two threads do, it fails.
+COMPILING = threading.RLock()
 
 
 def _prefer_wide_vectors() -> None:
@@ -82,7 +93,7 @@ def _compile(function: Callable[..., Any], **more: Any) -> Any:
     compiles = kernel._compile_for_args
 
     def one_at_a_time(*arguments: Any, **keywords: Any) -> Any:
-        with _COMPILING, PAUSED.compiling():
+        with COMPILING, PAUSED.compiling():
             return compiles(*arguments, **keywords)
 
     kernel._compile_for_args = one_at_a_time

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from functools import cache
@@ -15,6 +16,7 @@ from numba.core.registry import cpu_target
 from gemrender.beam import polygons, rim, unfold
 from gemrender.beam import rays as ray_kernels
 from gemrender.beam.cache import KernelCache
+from gemrender.beam.compiled import COMPILING
 from gemrender.beam.facets import trace_facets
 from gemrender.beam.measure import measure
 from gemrender.beam.solid import beam_stone
@@ -25,7 +27,10 @@ from gemrender.stone import Stone
 __all__ = ["compile_rays", "damaged_cache_files", "is_compiled", "prepare"]
 
 
-@cache
+#: Held by who makes kernels ready: other threads wait, and find them so.
+_PREPARING = threading.Lock()
+
+
 def prepare(*, rays: bool = True) -> None:
     """Compile or load the kernels that scores need: some seconds once, then 0.2 s a process.
 
@@ -34,6 +39,12 @@ def prepare(*, rays: bool = True) -> None:
     rays : bool
         Whether those of single rays too, which stones without a round girdle seldom need.
     """
+    with _PREPARING:
+        _prepare(rays)
+
+
+@cache
+def _prepare(rays: bool) -> None:
     with _rays_compiled_beside() if rays and not is_compiled() else nullcontext():
         trace_facets(_sample(), whole=False)
     if rays:
@@ -82,7 +93,8 @@ def _sample() -> Stone:
 def is_compiled() -> bool:
     """Return whether `prepare` has nothing to compile: the kernels are loaded, or whole on disk."""
     context = cpu_target.target_context
-    context.refresh()
+    with COMPILING:
+        context.refresh()
     target = context.codegen().magic_tuple()
 
     def is_there(kernel: Any) -> bool:

@@ -73,7 +73,10 @@ class Live:
     # ---- Frames ----
 
     def _make_frames(self) -> None:
-        prepare()
+        try:
+            prepare()
+        except Exception as error:  # what it could not do is tried again for each frame, and told there
+            _log.warning("studio: %s: %s", type(error).__name__, error)
         while True:
             with self._changed:
                 self._changed.wait_for(lambda: self._is_closed or self._done != self._generation)

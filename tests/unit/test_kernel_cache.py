@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import importlib.util
+import queue
 import shutil
+import threading
 
 import pytest
 from numba.core.caching import NullCache
@@ -12,6 +14,7 @@ from observations import run_python
 import gemrender.beam
 from gemrender.beam import cache as kernel_cache
 from gemrender.beam import is_compiled, polygons, prepare
+from gemrender.beam.compiled import COMPILING
 from gemrender.render import diagnosis
 
 SOURCE = """
@@ -21,6 +24,18 @@ from gemrender.beam.compiled import jit
 def doubled(x):
     return 2 * x
 """
+
+
+def test_who_asks_waits_for_who_compiles():
+    """numba has one list of what it knows; two threads that look through it at once make it fail."""
+    answers = queue.Queue()
+    thread = threading.Thread(target=lambda: answers.put(is_compiled()))
+    with COMPILING:
+        thread.start()
+        with pytest.raises(queue.Empty):
+            answers.get(timeout=0.2)
+    assert answers.get(timeout=60) in (True, False)
+    thread.join()
 
 
 @pytest.fixture

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sys
+
 import numpy as np
 import pytest
 
@@ -50,13 +52,15 @@ def corrupt(monkeypatch, value, lanes):
     import drjit as dr
     import mitsuba as mi
 
-    trace = Passes._trace
+    integrator = sys.modules["gemrender.plugins.path"].PathIntegrator
+    trace = integrator.sample_with_aovs
 
-    def corrupted(self, ray, n, spp, seed, **options):
-        radiance, valid, aovs = trace(self, ray, n, spp, seed, **options)
-        return dr.select(dr.arange(mi.UInt32, n) < lanes, value, radiance), valid, aovs
+    def corrupted(self, scene, samples, ray, *args, **options):
+        radiance, valid, aovs = trace(self, scene, samples, ray, *args, **options)
+        first = dr.arange(mi.UInt32, dr.width(ray)) < lanes
+        return dr.select(first, value, radiance), valid, aovs
 
-    monkeypatch.setattr(Passes, "_trace", corrupted)
+    monkeypatch.setattr(integrator, "sample_with_aovs", corrupted)
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, -1.0])

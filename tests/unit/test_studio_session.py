@@ -281,6 +281,21 @@ def test_of_many_states_the_last_one_is_shown():
     assert not any(thread.is_alive() for thread in live._threads)
 
 
+def test_where_kernels_cannot_be_made_ready_frames_come_all_the_same(monkeypatch, caplog):
+    def fail():
+        raise RuntimeError("no kernels")
+
+    monkeypatch.setattr("gemrender.studio.live.prepare", fail)
+    sent = queue.Queue()
+    live = Live({}, sent.put)
+    try:
+        live.want({**told("inoue-3"), "number": 7})
+        assert read(sent.get(timeout=60))[0]["number"] == 7
+    finally:
+        live.close(wait=60)
+    assert "no kernels" in caplog.text
+
+
 def test_a_frame_that_moves_is_as_one_at_rest_but_for_its_bound():
     wanted = Wanted.of(told("inoue-1"))
     moving, resting = (frame(wanted, wanted.stone({}), effort)[0]["score"] for effort in (MOVING, RESTING))
