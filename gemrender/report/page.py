@@ -43,7 +43,7 @@ from gemrender.stone import MeshSolid, Stone, tessellate
 from gemrender.stone.facets import LEVEL
 from gemrender.writing import write_whole
 
-__all__ = ["MOST_STONES", "Shown", "check_number", "check_target", "report_html", "write_report"]
+__all__ = ["MOST_STONES", "Shown", "check_number", "check_target", "common_data", "report_html", "write_report"]
 
 #: A stone of a page: its maps, and what measures say of it; by default what the maps tell.
 Shown = Observation | tuple[Observation, Study]
@@ -206,6 +206,15 @@ def _data(shown: Iterable[Shown]) -> dict[str, Any]:
         del of, observation  # before the next one is made
     check_number(len(stones))
     return {
+        **common_data(),
+        "stones": stones,
+        "table": page_table(studies),
+    }
+
+
+def common_data() -> dict[str, Any]:
+    """Return what pages are told whatever they show, for JSON: optics, colours, and codes of maps."""
+    return {
         "generator": f"gemrender {gemrender.__version__}",
         "optics": optics(),
         "colours": {
@@ -215,8 +224,6 @@ def _data(shown: Iterable[Shown]) -> dict[str, Any]:
             "rays": RAY_COLOURS,
         },
         "codes": {"steps": INTENSITY_STEPS, "rear": _REAR, "unsolved": _UNSOLVED, "outside": _OUTSIDE},
-        "stones": stones,
-        "table": page_table(studies),
     }
 
 

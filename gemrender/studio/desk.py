@@ -7,16 +7,13 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-import gemrender
 from gemrender.cuts import bundled_stones, load_stone
 from gemrender.cuts.families import families
 from gemrender.errors import InputError
 from gemrender.measures import measures
 from gemrender.optics.materials import material_names
-from gemrender.report.displays.ray_colours import RAY_COLOURS
-from gemrender.report.figures import BAND_COLOURS, REAR_COLOUR, UNSOLVED_COLOUR
 from gemrender.report.measure_maps import ZONE_COLOURS
-from gemrender.report.page import INTENSITY_STEPS, optics
+from gemrender.report.page import common_data
 from gemrender.scoring import BAND_EDGES
 from gemrender.stone import Stone
 from gemrender.studio.cuttings import family_cutting, opened, stone_of
@@ -28,8 +25,6 @@ __all__ = ["Desk"]
 
 #: Most dropped stones that are kept: past them the oldest is forgotten.
 _MOST_DROPPED = 400
-#: Codes of the report's maps, which `light.js` reads.
-_CODES = {"steps": INTENSITY_STEPS, "rear": 65001, "unsolved": 65002, "outside": 65003}
 
 
 class Desk:
@@ -65,17 +60,10 @@ class Desk:
 
     def told(self) -> dict[str, Any]:
         """Return what a page is told when it is opened, for JSON."""
+        common = common_data()
         return {
-            "generator": f"gemrender {gemrender.__version__}",
-            "optics": optics(),
-            "colours": {
-                "bands": BAND_COLOURS,
-                "rear": REAR_COLOUR,
-                "unsolved": UNSOLVED_COLOUR,
-                "rays": RAY_COLOURS,
-                "zones": ZONE_COLOURS,
-            },
-            "codes": _CODES,
+            **common,
+            "colours": {**common["colours"], "zones": ZONE_COLOURS},
             # As `light.js` knows the bands.
             "stones": [{"score": {"bands": [{"low": low} for low in BAND_EDGES]}}],
             "shelf": [{"key": key, "name": self.shelf[key].name} for key in self._first],
