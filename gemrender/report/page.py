@@ -43,7 +43,15 @@ from gemrender.stone import MeshSolid, Stone, tessellate
 from gemrender.stone.facets import LEVEL
 from gemrender.writing import write_whole
 
-__all__ = ["MOST_STONES", "Shown", "check_number", "check_target", "common_data", "report_html", "write_report"]
+__all__ = [
+    "MOST_STONES",
+    "Shown",
+    "check_number",
+    "check_target",
+    "common_data",
+    "report_html",
+    "write_report",
+]
 
 #: A stone of a page: its maps, and what measures say of it; by default what the maps tell.
 Shown = Observation | tuple[Observation, Study]

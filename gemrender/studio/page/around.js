@@ -1,6 +1,6 @@
 // The map around the present stone: its score over crown and pavilion angle, filling in from coarse to fine.
 
-import { find, number, tip } from './shared.js';
+import { find, inNextFrame, number, tip } from './shared.js';
 
 /** viridis at even steps (Smith and van der Walt, 2015), dark to bright. */
 const SCALE = ['#440154', '#46327e', '#365c8d', '#277f8e', '#1fa187', '#4ac16d', '#a0da39', '#fde725'];
@@ -9,6 +9,7 @@ const [COLUMN, ROW] = [1, 0];
 export class Around {
     constructor(root, chosen) {
         Object.assign(this, { root, chosen });
+        this.redraw = inNextFrame(() => this.draw());
         this.canvas = find(root, 'canvas');
         this.box = find(root, 'select');
         this.cells = new Map();
@@ -42,15 +43,6 @@ export class Around {
         this.at = message;
         for (const cell of message.cells) this.cells.set(`${cell[ROW]},${cell[COLUMN]}`, { cell, size: message.size });
         this.redraw();
-    }
-
-    redraw() {
-        if (this.isWaiting) return;
-        this.isWaiting = true;
-        requestAnimationFrame(() => {
-            this.isWaiting = false;
-            this.draw();
-        });
     }
 
     cellAt(event) {

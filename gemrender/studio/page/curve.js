@@ -1,6 +1,6 @@
 // The curve of Average and Rear over tilt, which fills in from straight above outwards.
 
-import { drawing, find, number } from './shared.js';
+import { drawing, find, inNextFrame, number } from './shared.js';
 
 const HEIGHT = 190;
 const EDGES = { left: 40, right: 12, top: 10, bottom: 24 };
@@ -8,6 +8,7 @@ const EDGES = { left: 40, right: 12, top: 10, bottom: 24 };
 export class Curve {
     constructor(root, chosen) {
         Object.assign(this, { root, chosen });
+        this.redraw = inNextFrame(() => this.draw());
         this.svg = find(root, 'svg');
         this.points = new Map();
         this.baseline = null;
@@ -34,15 +35,6 @@ export class Curve {
         this.to = to;
         this.points.set(turn, { average, rear, bound });
         this.redraw();
-    }
-
-    redraw() {
-        if (this.isWaiting) return;
-        this.isWaiting = true;
-        requestAnimationFrame(() => {
-            this.isWaiting = false;
-            this.draw();
-        });
     }
 
     draw() {

@@ -1,7 +1,7 @@
 // The map: virtual facets as the polygons that they are, crisp at any zoom, and over them lines, the chosen point and
 // its ray. Of a symmetric stone a part comes, with the images that make the whole of it.
 
-import { Light, Tracer, hear, number, tip } from './shared.js';
+import { Light, Tracer, hear, inNextFrame, number, tip } from './shared.js';
 import { MODES } from './modes.js';
 
 /** The map's margin around the stone, as a share of its width. */
@@ -22,6 +22,7 @@ export class FacetMap {
     /** `tilted` is called with tilt, azimuth and whether the hand has come to rest. */
     constructor(root, { tilted, drawn }) {
         Object.assign(this, { root, tilted, drawn });
+        this.redraw = inNextFrame(() => this.frame && this.draw());
         this.base = root.querySelector('.facets');
         this.over = root.querySelector('.over');
         this.frame = null;
@@ -100,15 +101,6 @@ export class FacetMap {
     colourOf(which) {
         const { colour } = this.mode.classes[which];
         return this.lit === null || this.lit === which ? colour : `color-mix(in srgb, ${colour} 16%, ${this.ground})`;
-    }
-
-    redraw() {
-        if (this.isWaiting || !this.frame) return;
-        this.isWaiting = true;
-        requestAnimationFrame(() => {
-            this.isWaiting = false;
-            this.draw();
-        });
     }
 
     draw() {

@@ -21,6 +21,19 @@ export function boundText(bound) {
     return bound < 1e-4 ? '0.0001' : number(bound, digits);
 }
 
+/** What draws in the next frame of the screen, once however often it is called until then. */
+export function inNextFrame(draw) {
+    let isWaiting = false;
+    return () => {
+        if (isWaiting) return;
+        isWaiting = true;
+        requestAnimationFrame(() => {
+            isWaiting = false;
+            draw();
+        });
+    };
+}
+
 /** Words beside the pointer. */
 export const tip = {
     box: byId('tip'),

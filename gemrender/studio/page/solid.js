@@ -1,6 +1,6 @@
 // The stone in 3D, and the ray through the chosen point: traced here, in double precision, as the report does.
 
-import { Light, Ray, Stage, Tracer, announce, cards, data, find, geometryOf, number } from './shared.js';
+import { Light, Ray, Stage, Tracer, announce, cards, data, find, geometryOf, inNextFrame, number } from './shared.js';
 
 /**
  * The map comes first: while the hand moves the 3D stone follows a little later, and where drawing it takes long only
@@ -11,6 +11,7 @@ const [SOON, AT_REST, LONG] = [30, 300, 12];
 export class Solid {
     constructor(stageRoot, rayRoot, map) {
         Object.assign(this, { stageRoot, rayRoot, map });
+        this.redraw = inNextFrame(() => this.draw());
         this.path = null;
         this.point = null;
         this.stage = null;
@@ -83,14 +84,9 @@ export class Solid {
         find(root, 'tbody').replaceChildren(...Ray.pathRows(path, stone.facetNames));
     }
 
-    redraw() {
-        if (this.isWaiting) return;
-        this.isWaiting = true;
-        requestAnimationFrame(() => {
-            this.isWaiting = false;
-            const start = performance.now();
-            this.stage?.draw();
-            this.cost = performance.now() - start;
-        });
+    draw() {
+        const start = performance.now();
+        this.stage?.draw();
+        this.cost = performance.now() - start;
     }
 }
