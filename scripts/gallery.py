@@ -4,6 +4,7 @@
     python scripts/gallery.py ruby sapphire --out gallery --size 320 --samples 32
     python scripts/gallery.py viewers                          # a sheet of stones in gem viewers
     python scripts/gallery.py turntable                        # the film, and a small moving picture of it
+    python scripts/gallery.py --samples 256 --variant cuda_ad_spectral  # all on a graphics processor: minutes
 
 Of each photograph what a photographer looks at is printed, as `measure_setups.py` does. Photographs are
 denoised where mitsuba-oidn is installed (pip install mitsuba-oidn), unless --raw; films need pip install av.
@@ -98,12 +99,13 @@ FRAMES, FPS = 72, 24.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Options:
-    """How pictures are rendered: pixels a side, samples a pixel, the seed, and whether they are denoised."""
+    """How pictures are rendered: pixels a side, samples a pixel, the seed, whether they are denoised, and by what."""
 
     size: int
     samples: int
     seed: int
     denoise: bool
+    variant: str
 
 
 def main() -> None:
@@ -115,6 +117,7 @@ def main() -> None:
     parser.add_argument("--size", type=int, default=1200, help="pixels a side")
     parser.add_argument("--samples", type=int, default=32, help="samples a pixel")
     parser.add_argument("--seed", type=int, default=0, help="seed")
+    parser.add_argument("--variant", default="llvm_ad_spectral", help="spectral Mitsuba variant")
     parser.add_argument("--png", action="store_true", help="write PNG, not JPEG")
     parser.add_argument("--raw", action="store_true", help="do not denoise")
     arguments = parser.parse_args()
@@ -126,6 +129,7 @@ def main() -> None:
         samples=arguments.samples,
         seed=arguments.seed,
         denoise=not arguments.raw and can_denoise(),
+        variant=arguments.variant,
     )
     arguments.out.mkdir(parents=True, exist_ok=True)
     print(f"{'picture':20} {HEADINGS}")
@@ -158,6 +162,7 @@ def rendered(shot: Shot, options: Options) -> Picture:
         dispersion=shot.dispersion,
         curve=shot.curve,
         denoise=options.denoise,
+        variant=options.variant,
     )
 
 
@@ -188,6 +193,7 @@ def turntable(out: Path, options: Options) -> None:
         spp=max(1, options.samples * 3 // 8),
         seed=options.seed,
         denoise=options.denoise,
+        variant=options.variant,
     )
     _moving_picture(film, out / "turntable.webp")
     print("turntable", flush=True)

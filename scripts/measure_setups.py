@@ -48,6 +48,7 @@ def main() -> None:
     parser.add_argument("--size", type=int, default=256)
     parser.add_argument("--samples", type=int, default=64)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--variant", default="llvm_ad_spectral", help="spectral Mitsuba variant")
     parser.add_argument("--raw", action="store_true", help="do not denoise")
     parser.add_argument("--out", type=Path, help="folder for the pictures")
     arguments = parser.parse_args()
@@ -63,6 +64,7 @@ def main() -> None:
             spp=arguments.samples,
             seed=arguments.seed,
             denoise=denoise,
+            variant=arguments.variant,
         )
         rgb = picture.rgb8()
         if arguments.out is not None:
