@@ -99,7 +99,7 @@ FRAMES, FPS = 72, 24.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Options:
-    """How pictures are rendered: pixels a side, samples a pixel, the seed, whether they are denoised, and by what."""
+    """How pictures are rendered: pixels a side, samples a pixel, seed, denoiser or not, Mitsuba's variant."""
 
     size: int
     samples: int

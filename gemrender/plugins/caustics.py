@@ -23,6 +23,8 @@ _NUMBERS = 7
 #: Sums are of whole numbers, of which one is so much of what a ray commonly counts: the order of a sum of
 #: whole numbers makes no difference. They hold 2^39 such counts.
 _FINENESS = 2.0**24
+#: Rays from the lights for each camera sample.
+RAYS_A_SAMPLE = 1.0
 
 
 class Caustics:
@@ -34,7 +36,8 @@ class Caustics:
     ====================  =============================================================================
     Paths                 Followed from
     ====================  =============================================================================
-    ``s S+ D E``          the light, by this class
+    ``s S D E``           both, through one stone: weighted by how densely either finds them
+    ``s S+ D E``          the light, by this class, through several
     ``s S+ D X* D E``     the light, by this class
     all others            the eye, by `gem_path`: what comes straight from lights (``L D X* E``), what
                           is seen in stones (``L X* S E``), what passes mirrors or glossy surfaces before
@@ -56,7 +59,10 @@ class Caustics:
     `split` does (see `rough`), and goes on. Things of ground glass are no stones.
 
     From the eye such a path is found only when a ray off the paper happens to meet the light through the
-    stone; from the light each one lands on the paper.
+    stone; from the light each one lands on the paper. Paths through one stone, which are most, are counted
+    both ways, each by its share of the density of both (balance heuristic, Veach 1997, section 9.2.2): per
+    etendue, which stones leave as it is, light's rays have the density that `Emission.density` tells, and
+    the eye's that of their places by 1 / pi of diffuse surfaces, for each wavelength that goes by itself.
 
     Parameters
     ----------
@@ -71,6 +77,8 @@ class Caustics:
 
     Attributes
     ----------
+    rays_a_sample : float
+        Rays from the lights for each camera sample, which the shares of both are for.
     any : bool
         Whether there is light to trace: there are stones, diffuse surfaces and small lights, and lights and
         camera are of known kinds.
@@ -78,10 +86,11 @@ class Caustics:
 
     def __init__(self, scene: mi.Scene, sensor: mi.Sensor, check: SceneCheck, max_depth: int) -> None:
         self._scene, self._check, self._max_depth = scene, check, max_depth
+        self.rays_a_sample = RAYS_A_SAMPLE
         shapes = [shape for shape in scene.shapes() if is_stone(shape)]
         self._projection: Any = None
         self.any = False
-        diffuse = any(is_diffuse(shape.bsdf().flags()) for shape in scene.shapes() if not is_stone(shape))
+        diffuse = any(_scatters(shape.bsdf()) for shape in scene.shapes() if not is_stone(shape))
         if not (mi.is_spectral and shapes and diffuse and Emission.known(scene) and scene.emitters()):
             return
         try:
@@ -129,14 +138,54 @@ class Caustics:
             a, b = mi.sample_tea_32(number, key, TEA_ROUNDS)
             chance = mi.PCG32(1, mi.UInt64(a), mi.UInt64(b))
             wavelengths = draw(u[6])
-            ray, weight = self._emission.sample(u[:6], wavelengths)
+            ray, weight, density = self._emission.sample(u[:6], wavelengths)
             sampler = _Numbers(chance)
             stones = Stones(self._scene, sampler, self._check)
-            self._walks(stones, ray, weight * dr.opaque(mi.Float, 1 / self._unit), chance, splat)
+            weight *= dr.opaque(mi.Float, 1 / self._unit)
+            self._walks(stones, ray, weight, density, chance, splat)
 
     def traces(self, emitter: mi.EmitterPtr) -> mi.Bool:
         """Return whether a light is one of those whose light is traced."""
         return dr.gather(mi.Bool, self._traced, dr.reinterpret_array(mi.UInt32, emitter))
+
+    def seen(self, p: mi.Point3f, n: mi.Normal3f) -> mi.Float:
+        """Return how densely the eye sends rays off diffuse surfaces that it sees, for each of light's.
+
+        Parameters
+        ----------
+        p, n : Point3f, Normal3f
+            Places on the surfaces, and the normals there.
+
+        Returns
+        -------
+        Float
+            Density [1/etendue] of rays of one wavelength.
+        """
+        return self._projection.density(p, n) * (dr.inv_pi / self.rays_a_sample)
+
+    def of_eye(
+        self,
+        seen: mi.Float,
+        emitter: mi.EmitterPtr,
+        si: mi.SurfaceInteraction3f,
+        ray: mi.Ray3f,
+        active: mi.Bool,
+    ) -> mi.Float:
+        """Return the share of light that the eye counts, where `trace` counts the rest; see the class.
+
+        Parameters
+        ----------
+        seen : Float
+            As `seen` tells, of the surface that the ray left through one stone, times the wavelengths that go
+            by themselves; 0 where the way was another: all is the light's then.
+        emitter, si, ray : EmitterPtr, SurfaceInteraction3f, Ray3f
+            The light that is traced, where the ray meets it, and the ray.
+        active : Bool
+            Which there are.
+        """
+        both = active & (seen > 0)
+        of_light = self._emission.density(emitter, dr.select(si.is_valid(), si.p, ray.o), si.n, -ray.d, both)
+        return dr.select(both, seen / (seen + of_light), 0)
 
     @property
     def unit(self) -> float:
@@ -144,7 +193,7 @@ class Caustics:
         return self._unit
 
     @dr.syntax
-    def _walks(self, stones, ray, β, chance, splat):  # type: ignore[no-untyped-def]  # dr.syntax
+    def _walks(self, stones, ray, β, density, chance, splat):  # type: ignore[no-untyped-def]  # dr.syntax
         scene, projection = self._scene, self._projection
         max_depth = mi.UInt32(self._max_depth if self._max_depth >= 0 else 0xFFFFFFFF)
         context = mi.BSDFContext(mi.TransportMode.Importance)
@@ -154,6 +203,7 @@ class Caustics:
         parted = mi.Bool(False)
         depth = mi.UInt32(0)  # segments before the next
         through = mi.Bool(False)  # whether it has been through a stone
+        again = mi.Bool(False)  # whether it has been through another one
         landed = mi.Bool(False)  # whether it has been through a stone and then met a diffuse surface
 
         while dr.hint(active, label="caustics"):
@@ -179,6 +229,8 @@ class Caustics:
             off = dr.dot(si.n, to_camera) * mi.Frame3f.cos_theta(si.wi)
             off *= dr.rcp(mi.Frame3f.cos_theta(wo) * dr.dot(si.n, -ray.d))
             counts = β * value * (importance * dr.abs(off))
+            seen = self.seen(si.p, si.n) * dr.select(parted, mi.Float(stones.n_ways), 1)
+            counts *= dr.select(landed | again, 1, density / (density + seen))
             sees &= (dr.max(counts) > 0) & dr.isfinite(dr.max(counts))
             shadow = si.spawn_ray(to_camera)
             shadow.maxt = distance * (1 - mi.math.ShadowEpsilon)
@@ -226,6 +278,7 @@ class Caustics:
             β = dr.select(arrives, β_out, dr.select(plain, β * weight, β))
             parted |= part
             depth = dr.select(arrives, depth_out, depth + 1)
+            again |= arrives & through
             through |= arrives
             landed |= plain
             active = behind | plain | left
@@ -237,6 +290,24 @@ class Caustics:
             active &= (q > 0) & (chance.next_float32() < q)
             β *= dr.select(active, dr.rcp(q), 0)
             ray.maxt = dr.largest(mi.Float)
+
+
+def _scatters(bsdf: mi.BSDF) -> bool:
+    """Return whether a BSDF is diffuse, and not black all over, as lamps often are that only shine."""
+    flags = bsdf.flags()
+    if not dr.any(is_diffuse(mi.UInt32(flags)), axis=None):
+        return False
+    if mi.has_flag(flags, mi.BSDFFlags.SpatiallyVarying):
+        return True
+    lanes = len(mi.Spectrum())
+    for side in (1.0, -1.0):
+        si = dr.zeros(mi.SurfaceInteraction3f, 512)
+        first = 360.0 + dr.arange(mi.Float, 512) * (470.0 / 511)
+        si.wavelengths = mi.Spectrum([first for _ in range(lanes)])
+        si.wi = mi.Vector3f(0, 0, side)
+        if dr.any(bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(0.0, 0.6 * side, 0.8 * side)) > 0, axis=None):
+            return True
+    return False
 
 
 class _Numbers:

@@ -16,7 +16,7 @@ MOST_SPHERES = 12
 _TRIALS = 256
 _TRIAL_NM = (450.0, 530.0, 580.0, 630.0)
 #: Lights are small that the stones see under less [sr]: 23 degrees about their middle. Softboxes of 0.4 sr
-#: each, traced, make paper as even in 0.5 (luminance) and 0.8 (RGB) times the time that paths from the eye
+#: each, traced, make paper as even in 0.5 (luminance) and 0.65 (RGB) times the time that paths from the eye
 #: need; the larger a light, the sooner these find it.
 SMALL_SR = 0.5
 #: Share of the rays that is spread over all lights alike: a trial may miss what is bright.
@@ -57,11 +57,13 @@ class Emission:
         if not self.n_emitters:
             return
         self.emitters = dr.gather(mi.EmitterPtr, scene.emitters_dr(), mi.UInt32(self.small.astype(np.uint32)))
+        infinite = int(mi.EmitterFlags.Infinite)
+        self._any_far = any(scene.emitters()[k].flags() & infinite for k in self.small)
         box = scene.bbox()
         low, high = (np.array(x, dtype=np.float64) for x in (box.min, box.max))
         #: Farther than the scene reaches: where rays of lights at infinity start.
         self._far = dr.opaque(mi.Float, float(np.linalg.norm(high - low)) + 1.0)
-        self._choose()
+        self._choose(scene)
 
     @staticmethod
     def known(scene: mi.Scene) -> bool:
@@ -71,13 +73,13 @@ class Emission:
         varying = ~int(flags.SpatiallyVarying)
         return all(e.flags() & varying in [int(kind) for kind in kinds] for e in scene.emitters())
 
-    def _choose(self) -> None:
+    def _choose(self, scene: mi.Scene) -> None:
         """Find by a trial how much light each of the lights sends towards the stones."""
         n = self.n_emitters * _TRIALS
         lanes = dr.arange(mi.UInt32, n)
         chance = mi.PCG32(1, mi.UInt64(lanes), mi.UInt64(lanes) + 1)
         u = [chance.next_float32() for _ in range(5)]
-        _, weight = self._ray(lanes // _TRIALS, u, mi.Spectrum(*_trial_wavelengths()))
+        _, weight, *_ = self._ray(lanes // _TRIALS, u, mi.Spectrum(*_trial_wavelengths()))
         found = np.array(dr.mean(weight), dtype=np.float64).reshape(self.n_emitters, _TRIALS)
         flux = np.where(np.isfinite(found), found, 0).mean(axis=1)
         self.mean_weight = float(flux.sum())
@@ -85,9 +87,22 @@ class Emission:
             chosen = (1 - _EVEN) * flux / self.mean_weight + _EVEN / self.n_emitters
             edges = np.concatenate([[0.0], np.cumsum(chosen)]) / chosen.sum()
             self._edges = mi.Float(edges.astype(np.float32))
+            self._keep_tables(scene, np.diff(edges))
 
-    def sample(self, u: list[mi.Float], wavelengths: mi.Spectrum) -> tuple[mi.Ray3f, mi.Spectrum]:
-        """Return rays, and the flux by wavelength that each stands for.
+    def _keep_tables(self, scene: mi.Scene, chosen: np.ndarray) -> None:
+        """Keep what `density` asks of a light, by the number that Dr.Jit knows it by."""
+        numbers = np.asarray(dr.reinterpret_array(mi.UInt32, scene.emitters_dr()))
+        tables = np.ones((2, int(numbers.max()) + 1), dtype=np.float32)
+        tables[0] = 0
+        tables[0, numbers[self.small]] = chosen
+        for shape in scene.shapes():
+            if shape.is_emitter():
+                number = dr.reinterpret_array(mi.UInt32, mi.EmitterPtr(shape.emitter()))[0]
+                tables[1, number] = 1 / float(np.asarray(shape.surface_area()).ravel()[0])
+        self._chosen, self._per_area = (mi.Float(table) for table in tables)
+
+    def sample(self, u: list[mi.Float], wavelengths: mi.Spectrum) -> tuple[mi.Ray3f, mi.Spectrum, mi.Float]:
+        """Return rays, the flux by wavelength that each stands for, and their `density`.
 
         Parameters
         ----------
@@ -100,12 +115,47 @@ class Emission:
             0, self.n_emitters - 1, lambda k: dr.gather(mi.Float, self._edges, k + 1) <= u[0]
         )
         low, high = (dr.gather(mi.Float, self._edges, row + k) for k in (0, 1))
-        ray, weight = self._ray(row, u[1:], wavelengths)
-        return ray, weight / (high - low)
+        ray, weight, emitter, n = self._ray(row, u[1:], wavelengths)
+        return ray, weight / (high - low), self.density(emitter, ray.o, n, ray.d)
+
+    def density(
+        self, emitter: mi.EmitterPtr, p: mi.Point3f, n: mi.Normal3f, d: mi.Vector3f, active: mi.Bool = True
+    ) -> mi.Float:
+        """Return how densely rays are drawn [1/etendue]: what they carry is the radiance by that.
+
+        Of an evenly bright surface, and of lights at infinity, it is exact. It is the same anywhere along a
+        ray, and through stones, whose choices between reflection and refraction are as probable either way.
+        Of a light that is a point or a direction it is beyond all.
+
+        Parameters
+        ----------
+        emitter : EmitterPtr
+            Small lights.
+        p, n : Point3f, Normal3f
+            Places on the rays, and the normal there: of a light that is a surface, on it.
+        d : Vector3f
+            Directions in which light goes.
+        active : Bool
+            Which there are.
+        """
+        number = dr.reinterpret_array(mi.UInt32, emitter)
+        flags = emitter.flags()
+        far, delta = mi.has_flag(flags, mi.EmitterFlags.Infinite), mi.has_flag(flags, mi.EmitterFlags.Delta)
+        # Discs across light from infinity are met by rays that start before them
+        start = dr.select(far, p - self._far * d, p)
+        of_place = dr.gather(mi.Float, self._per_area, number, active) / dr.maximum(dr.dot(n, d), 0)
+        if self._any_far:
+            it, ds = dr.zeros(mi.Interaction3f, dr.width(p)), dr.zeros(mi.DirectionSample3f, dr.width(p))
+            ds.d = -d
+            of_place = dr.select(far, emitter.pdf_direction(it, ds, active & far & ~delta), of_place)
+        none = mi.UInt32(self.n_spheres)
+        density = of_place * self._density(start, d, none, far)
+        density *= dr.gather(mi.Float, self._chosen, number, active)
+        return dr.select(delta, dr.largest(mi.Float), dr.minimum(density, dr.largest(mi.Float)))
 
     def _ray(
         self, row: mi.UInt32, u: list[mi.Float], wavelengths: mi.Spectrum
-    ) -> tuple[mi.Ray3f, mi.Spectrum]:
+    ) -> tuple[mi.Ray3f, mi.Spectrum, mi.EmitterPtr, mi.Normal3f]:
         emitter = dr.gather(mi.EmitterPtr, self.emitters, row)
         flags = emitter.flags()
         at_surface = mi.has_flag(flags, mi.EmitterFlags.Surface)
@@ -154,7 +204,7 @@ class Emission:
         ray = mi.Ray3f(start, d, 0.0, wavelengths)
         from_light = si.spawn_ray(d)
         ray.o = dr.select(at_surface, from_light.o, ray.o)
-        return ray, weight
+        return ray, weight, emitter, ps.n
 
     def _density(self, start: mi.Point3f, d: mi.Vector3f, number: mi.UInt32, far: mi.Bool) -> mi.Float:
         """Return the density of a direction [1/sr], of light at infinity that of a place across it."""

@@ -194,6 +194,7 @@ class PathIntegrator(mi.SamplingIntegrator):
         first_diffuse, last_diffuse, through = mi.Bool(False), mi.Bool(False), mi.Bool(False)
         lit = mi.Bool(False)  # whether light straight on the next surface is counted, if that is diffuse
         dark = mi.Bool(False)  # whether light that the ray meets is counted
+        of_eye = mi.Float(0)  # how densely rays come off the first surface, through one stone at most
         albedo, normal = mi.Color3f(0), mi.Vector3f(0)
         from_p = mi.Point3f(ray.o)  # the surface before, for multiple importance sampling
         from_pdf = mi.Float(1)
@@ -222,8 +223,9 @@ class PathIntegrator(mi.SamplingIntegrator):
             mis = mis_weight(from_pdf, from_lights * scene.pdf_emitter_direction(came_from, ds, weigh))
             mis = dr.select(from_delta, 1, mis)
             light = emitter.eval(si, active & ~on_stone)
-            elsewhere = dark | (first_diffuse & last_diffuse & through & _traces(caustics, emitter))
-            L += dr.select(active & ~on_stone & ~elsewhere, β * mis * light, 0)
+            traced = active & ~on_stone & first_diffuse & last_diffuse & through
+            share = _of_eye(caustics, dr.select(through, of_eye, 0), emitter, si, ray, traced)
+            L += dr.select(active & ~on_stone & ~dark, β * mis * share * light, 0)
 
             # ---- What a denoiser wants to know ----
 
@@ -260,6 +262,9 @@ class PathIntegrator(mi.SamplingIntegrator):
             first_diffuse |= plain & (depth == 0) & is_matt
             last_diffuse = dr.select(plain, is_matt, last_diffuse)
             through = ~plain & (through | arrives)
+            if dr.hint(walking, mode="scalar"):
+                of_eye = dr.select(plain & (depth == 0) & is_matt, caustics.seen(si.p, si.n), of_eye)
+                of_eye = dr.select((depth == 0) | ((depth == 1) & arrives), of_eye, 0)
 
             # ---- Stones: all ways are followed for light; where that is traced, only one, by chance ----
 
@@ -301,8 +306,8 @@ class PathIntegrator(mi.SamplingIntegrator):
                     end_bsdf = end_si.bsdf()
                     shines = looks & walks
                     end_light = end_si.emitter(scene, shines)
-                    shines &= ~(first_diffuse & _traces(caustics, end_light))
-                    L += dr.select(shines, end.throughput * end_light.eval(end_si, shines), 0)
+                    share = _of_eye(caustics, of_eye * stones.n_ways, end_light, end_si, end_ray, shines)
+                    L += dr.select(shines, end.throughput * share * end_light.eval(end_si, shines), 0)
                     lights = looks & (end.depth + 2 <= max_depth) & end_si.is_valid()
                     lights &= stones.of(end_si, lights) == 0
                     lights &= is_diffuse(end_bsdf.flags())
@@ -339,8 +344,19 @@ class PathIntegrator(mi.SamplingIntegrator):
         return L, valid, albedo, normal
 
 
-def _traces(caustics: Caustics | None, emitter: mi.EmitterPtr) -> mi.Bool:
-    return mi.Bool(False) if caustics is None else caustics.traces(emitter)
+def _of_eye(
+    caustics: Caustics | None,
+    seen: mi.Float,
+    emitter: mi.EmitterPtr,
+    si: mi.SurfaceInteraction3f,
+    ray: mi.Ray3f,
+    active: mi.Bool,
+) -> mi.Float:
+    """Return the share of light that the eye counts: 1 but where it is traced, too."""
+    if caustics is None:
+        return mi.Float(1)
+    traced = active & caustics.traces(emitter)
+    return dr.select(traced, caustics.of_eye(seen, emitter, si, ray, traced), 1)
 
 
 def _as_rgb(value: mi.Spectrum) -> mi.Color3f:

@@ -119,6 +119,14 @@ class Projection:
         importance = per_area / (dr.square(distance) * cos * dr.square(cos))
         return place, d, distance, dr.select((local.z > 0) & (cos > 0), importance, 0)
 
+    def density(self, p: mi.Point3f, n: mi.Normal3f) -> mi.Float:
+        """Return how densely one ray, uniform over the film, meets a surface [1/area]; n is its normal.
+
+        Of a thin lens, from its middle.
+        """
+        _, d, _, importance = self.connect(p, mi.Point2f(0.5))
+        return importance * dr.abs(dr.dot(n, d))
+
     def typical(self, p: np.ndarray) -> float:
         """Return the importance of a place that is seen in the middle of the picture, p (3,)."""
         if self.parallel:

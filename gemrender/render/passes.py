@@ -18,8 +18,6 @@ __all__ = ["FIRST_NM", "LAST_NM", "Passes", "check_range"]
 PASS_SAMPLES = 1 << 21
 #: Pixels of a tile at most, so that a pass spreads several samples over each.
 _TILE_PIXELS = 1 << 18
-#: Rays from the lights for each camera sample, where caustics are traced.
-_RAYS_A_SAMPLE = 1.0
 
 
 class Passes:
@@ -125,7 +123,7 @@ class Passes:
             last = min(first + _TILE_PIXELS, pixels)
             sums[first:last] = self._tile(first, last - first, spp, half)
         if self._film is not None:
-            sent = max(1, round(_RAYS_A_SAMPLE * pixels * spp))
+            sent = self._film.rays_for(pixels * spp)
             sums += np.float32(spp) * self._traced(sent, half)
             self._rays_sent[half] += sent
         self._halves[half] += sums

@@ -49,6 +49,10 @@ class TracedFilm:
         self._caustics, self._draw, self._binned, self._kept = caustics, draw, binned, kept
         self._width, self._height, self._radius = width, height, filter_radius
 
+    def rays_for(self, samples: int) -> int:
+        """Return how many rays go with so many samples of the camera."""
+        return max(1, round(float(self._caustics.rays_a_sample) * samples))
+
     def radiance(self, n: int, first: int, seed: int) -> np.ndarray:
         """Return the mean radiance that n rays from the lights add, (k, pixels) float64.
 

@@ -12,7 +12,6 @@ from test_photoreal_physics import FURNACE, STONES, prism, standing, surface
 
 from gemrender.errors import GemrenderWarning
 from gemrender.optics import load_material
-from gemrender.render import passes as of_passes
 from gemrender.render.backend import ensure_variant
 from gemrender.render.passes import Passes
 from gemrender.scene.mesh import placed_mesh
@@ -30,6 +29,8 @@ OF_RAYS = 3.3
 FLAT = 1.5e-3
 #: Single precision, of places by their distance, and of a light's power.
 SINGLE = 2e-5
+#: Flux by density of rays beside radiance, at grazing angles too, where single precision ends.
+BY_ETENDUE = 2e-3
 #: A derivative by differences over a hundredth of the distance.
 BY_DIFFERENCES = 2e-3
 
@@ -118,9 +119,9 @@ def flux(light, *stones):
     found = [s for s in loaded.shapes() if type(s.bsdf()).__name__ == "GemDielectric"]
     emission = sys.modules["gemrender.plugins.emission"].Emission(loaded, found)
     chance = mi.PCG32(1 << 14, 1)
-    ray, weight = emission.sample([chance.next_float32() for _ in range(6)], mi.Spectrum(550.0))
+    ray, weight, density = emission.sample([chance.next_float32() for _ in range(6)], mi.Spectrum(550.0))
     values = np.array(weight[0], dtype=np.float64)
-    return values.mean(), values.std() / math.sqrt(values.size), ray
+    return values.mean(), values.std() / math.sqrt(values.size), ray, values * np.array(density)
 
 
 #: A ball, and radius of the sphere that is aimed at for it: about its box, and a little larger.
@@ -147,9 +148,14 @@ def test_the_light_that_is_sent_is_what_the_light_gives(all_traced, kind):
             2 * side**2 * math.pi * (1 - cos**2),
         ),
     }[kind]
-    mean, error, ray = flux(light, BALL)
+    mean, error, ray, radiance = flux(light, BALL)
     assert abs(mean / expected - 1) <= FLAT + SINGLE + OF_RAYS * error / expected
     assert error < 0.03 * expected
+    # Flux by density of rays is radiance, of which points and directions have any amount
+    if kind in ("constant", "area"):
+        np.testing.assert_allclose(radiance, 2.0, rtol=BY_ETENDUE)
+    else:
+        assert (radiance > 1e30).all()
     o, d = np.array(ray.o, dtype=np.float64), np.array(ray.d, dtype=np.float64)
     assert (np.linalg.norm(np.cross(o, d, axis=0), axis=0) <= AIMED + SINGLE * np.abs(o).max()).all()
 
@@ -158,7 +164,7 @@ def test_the_light_to_stones_behind_each_other_is_sent_once():
     light = {"type": "directional", "direction": [0, 0, -1], "irradiance": {"type": "uniform", "value": 1.0}}
     small = {"type": "sphere", "radius": 0.3, "center": [0.1, 0, -3]}
     apart = {"type": "sphere", "radius": 0.3, "center": [5, 0, 0]}
-    mean, error, _ = flux(light, BALL, small, apart)
+    mean, error, *_ = flux(light, BALL, small, apart)
     expected = math.pi * AIMED**2 * (1 + 0.6**2)
     assert abs(mean / expected - 1) <= FLAT + OF_RAYS * error / expected
 
@@ -192,7 +198,7 @@ def test_a_place_is_found_where_the_camera_sees_it(kind):
 
 
 def test_a_furnace_with_a_white_ground_is_white(all_traced, monkeypatch):
-    monkeypatch.setattr(of_passes, "_RAYS_A_SAMPLE", 16.0)
+    monkeypatch.setattr(sys.modules["gemrender.plugins.caustics"], "RAYS_A_SAMPLE", 16.0)
     # Radiance 1 from everywhere, and nothing absorbs: two stones, one of a ground girdle, paper, a mirror and
     # a ball of glass. Radiance 1 everywhere: what the sky sends to the paper through the stones is all traced
     # from the sky.
@@ -248,11 +254,14 @@ def test_a_small_light_is_traced_and_a_large_one_is_not():
         assert Passes(loaded, caustics=False)._caustics is None
 
 
-@pytest.mark.parametrize("without", ["ground", "stone"])
+@pytest.mark.parametrize("without", ["ground", "stone", "light on it"])
 def test_where_nothing_can_be_thrown_nothing_is_traced(without):
     parts = {"lamp": lamp(0.1, 20.0), "ground": ground(0.6), "stone": stone()}
     parts["lamp"]["bsdf"] = {"type": "null"}  # its own surface is no paper
-    del parts[without]
+    if without == "light on it":
+        parts |= {"lamp": lamp(0.1, 20.0) | {"bsdf": matt(0.0)}, "ground": ground(0.0)}
+    else:
+        del parts[without]
     assert Passes(scene(camera("perspective"), **parts))._caustics is None
 
 
@@ -315,7 +324,7 @@ def test_a_beam_through_a_prism_lands_with_its_colours(monkeypatch):
         screen={"type": "rectangle", "to_world": facing.scale(3), "bsdf": matt(1.0)},
         **blinds,
     )
-    monkeypatch.setattr(of_passes, "_RAYS_A_SAMPLE", 256.0)
+    monkeypatch.setattr(sys.modules["gemrender.plugins.caustics"], "RAYS_A_SAMPLE", 256.0)
     with pytest.warns(GemrenderWarning, match="not seen in or through stones"):
         passes = Passes(loaded, seed=1, bins_nm=edges_nm)
     for _ in range(2):
