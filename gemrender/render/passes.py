@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from gemrender.render.first_seen import Seen, kinds_of
+from gemrender.render.lanes import lanes_at_once
 from gemrender.render.noise import relative_error
 from gemrender.render.traced import TracedFilm
 from gemrender.render.wavelengths import FIRST_NM, LAST_NM, drawing_table
@@ -14,10 +15,8 @@ from gemrender.scene.sobol import PixelSamples
 
 __all__ = ["FIRST_NM", "LAST_NM", "Passes", "check_range"]
 
-#: Samples of a pass: enough to keep all cores busy, few enough that a pass stays below half a GiB.
-PASS_SAMPLES = 1 << 21
-#: Pixels of a tile at most, so that a pass spreads several samples over each.
-_TILE_PIXELS = 1 << 18
+#: Samples a pixel that a pass has at least: they are spread evenly over it.
+_LEAST_SPP = 8
 
 
 class Passes:
@@ -69,6 +68,8 @@ class Passes:
         self.scene, self.seed, self.filter_radius = scene, seed, filter_radius
         self.sensor = scene.sensors()[0]
         scene.integrator().check(scene, self.sensor)
+        self._at_once = lanes_at_once()
+        self._tile_pixels = max(1, self._at_once // _LEAST_SPP)
         self.width, self.height = (int(n) for n in self.sensor.film().size())
         self.bins_nm = None if bins_nm is None else np.asarray(bins_nm, dtype=np.float64)
         n_bins = 0 if self.bins_nm is None else len(self.bins_nm) - 1
@@ -107,7 +108,7 @@ class Passes:
 
     def samples_of_a_pass(self) -> int:
         """Return the samples a pixel that keep a pass small in memory."""
-        most = max(1, PASS_SAMPLES // min(self.width * self.height, _TILE_PIXELS))
+        most = max(1, self._at_once // min(self.width * self.height, self._tile_pixels))
         return int(1 << (most.bit_length() - 1))  # powers of two are the most even
 
     def add(self, spp: int) -> None:
@@ -119,8 +120,8 @@ class Passes:
         pixels = self.width * self.height
         sums = np.empty((pixels, self._n_channels), dtype=np.float32)
         self._unsound_of_pass = 0
-        for first in range(0, pixels, _TILE_PIXELS):
-            last = min(first + _TILE_PIXELS, pixels)
+        for first in range(0, pixels, self._tile_pixels):
+            last = min(first + self._tile_pixels, pixels)
             sums[first:last] = self._tile(first, last - first, spp, half)
         if self._film is not None:
             sent = self._film.rays_for(pixels * spp)
@@ -143,8 +144,8 @@ class Passes:
         """
         pixels = self.width * self.height
         out = np.empty((2, pixels))
-        for first in range(0, pixels, _TILE_PIXELS):
-            n = min(_TILE_PIXELS, pixels - first)
+        for first in range(0, pixels, self._tile_pixels):
+            n = min(self._tile_pixels, pixels - first)
             out[:, first : first + n] = self._monochrome_tile(first, n, spp, nm, seed)
         return out[0].reshape(self.height, self.width), out[1].reshape(self.height, self.width)
 
@@ -210,8 +211,8 @@ class Passes:
         if self._shows is None:
             pixels = self.width * self.height
             parts = [
-                self._tile_shows(first, min(_TILE_PIXELS, pixels - first))
-                for first in range(0, pixels, _TILE_PIXELS)
+                self._tile_shows(first, min(self._tile_pixels, pixels - first))
+                for first in range(0, pixels, self._tile_pixels)
             ]
             self._shows = np.concatenate(parts)
         return self._shows.reshape(self.height, self.width)

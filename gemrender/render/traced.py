@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["TracedFilm"]
+from gemrender.render.lanes import lanes_at_once
 
-#: Rays that are followed at once.
-_AT_ONCE = 1 << 21
+__all__ = ["TracedFilm"]
 
 
 class TracedFilm:
@@ -95,8 +94,9 @@ class TracedFilm:
         )
         sums += [dr.zeros(mi.UInt64, pixels) for _ in range(n_channels)]
         dr.eval(sums)
-        for start in range(0, n, _AT_ONCE):
-            self._caustics.trace(min(_AT_ONCE, n - start), first + start, seed, splat, draw)
+        at_once = lanes_at_once()
+        for start in range(0, n, at_once):
+            self._caustics.trace(min(at_once, n - start), first + start, seed, splat, draw)
             dr.eval(sums)
         unit = self._caustics.unit * pixels / n
         return np.stack([np.asarray(total).astype(np.float64) * unit for total in sums])

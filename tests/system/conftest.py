@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from browser_help import CHROMIUM, FLAGS, Opened, open_page
 
-from gemrender.render import frames, passes
+from gemrender.render import frames, lanes, passes
 
 
 @pytest.fixture
@@ -27,7 +27,8 @@ def render(gemrender, folder):
 @pytest.fixture
 def short_passes(monkeypatch):
     """Passes of four samples a pixel, of pictures of 16 x 16."""
-    monkeypatch.setattr(passes, "PASS_SAMPLES", 1 << 10)
+    monkeypatch.setattr(lanes, "AT_ONCE", 1 << 10)
+    monkeypatch.setattr(passes, "_LEAST_SPP", 4)
 
 
 @pytest.fixture
