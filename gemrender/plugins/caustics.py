@@ -36,8 +36,8 @@ class Caustics:
     ====================  =============================================================================
     Paths                 Followed from
     ====================  =============================================================================
-    ``s S D E``           both, through one stone: weighted by how densely either finds them
-    ``s S+ D E``          the light, by this class, through several
+    ``s S+ D E``          through one stone both, weighted by how densely either finds them; through
+                          several the light, by this class
     ``s S+ D X* D E``     the light, by this class
     all others            the eye, by `gem_path`: what comes straight from lights (``L D X* E``), what
                           is seen in stones (``L X* S E``), what passes mirrors or glossy surfaces before
@@ -45,15 +45,15 @@ class Caustics:
                           and light of large lamps
     ====================  =============================================================================
 
-    So no path is followed twice, and none is left out: a path is the light's if its lamp is small and,
-    counted from the eye, its first surface is diffuse, and so is the last one before the stones that part it
-    from the lamp. `gem_path` leaves out light that it finds so when it is told what is traced. A surface is
-    diffuse when all parts of its BSDF are: paper, velvet and plain grounds are, skin (which shines), metals
-    and glass are not, and light that passes one of these between lamp and stone, or between stone and the
-    first diffuse surface, is the eye's. A light is small by the solid angle that the stones see it under (see
-    `Emission`), as points and directions are. A sky is one light, an image or a studio of boxes too: it is
-    traced as a whole where what is bright in it is small, as a sun in a dim sky; small boxes beside large
-    ones are left to the eye with it.
+    So no path counts twice, and none is left out: a path is the light's if its lamp is small and, counted
+    from the eye, its first surface is diffuse, and so is the last one before the stones that part it from the
+    lamp. `gem_path` leaves out light that it finds so when it is told what is traced, but for its share. A
+    surface is diffuse when all parts of its BSDF are: paper, velvet and plain grounds are, skin (which
+    shines), metals and glass are not, and light that passes one of these between lamp and stone, or between
+    stone and the first diffuse surface, is the eye's. A light is small by the solid angle that the stones see
+    it under (see `Emission`), as points and directions are. A sky is one light, an image or a studio of boxes
+    too: it is traced as a whole where what is bright in it is small, as a sun in a dim sky; small boxes
+    beside large ones are left to the eye with it.
 
     S is any surface of a stone, a rough girdle too: `walk`, from the light as from the eye, scatters there as
     `split` does (see `rough`), and goes on. Things of ground glass are no stones.
@@ -63,6 +63,7 @@ class Caustics:
     both ways, each by its share of the density of both (balance heuristic, Veach 1997, section 9.2.2): per
     etendue, which stones leave as it is, light's rays have the density that `Emission.density` tells, and
     the eye's that of their places by 1 / pi of diffuse surfaces, for each wavelength that goes by itself.
+    Where a rough girdle scatters these are not quite the densities; the shares of a path add up to 1 still.
 
     Parameters
     ----------

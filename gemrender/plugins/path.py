@@ -77,9 +77,10 @@ class PathIntegrator(mi.SamplingIntegrator):
     and a ``GemrenderWarning`` says so.
 
     Light that lamps throw through stones on diffuse surfaces is found by chance only. ``gemrender render``
-    traces that of lamps which the stones see under less than 0.5 sr from the lamps instead, and tells the
-    integrator to leave it out: of each path that ends on such a lamp, whose first surface from the camera is
-    diffuse, and whose last diffuse surface only stones part from the lamp.
+    traces that of lamps which the stones see under less than 0.5 sr from the lamps too, and tells the
+    integrator so: of each path that ends on such a lamp, whose first surface from the camera is diffuse, and
+    whose last diffuse surface only stones part from the lamp, it then counts its share where that is one
+    stone and the first surface is the last diffuse one, and else nothing.
 
     At a rough girdle (``girdle_alpha``) one way is drawn, out or in, that carries all the light; where a path
     first enters a dispersive stone there, it goes on with one wavelength, drawn of all. Light that is traced
@@ -164,7 +165,7 @@ class PathIntegrator(mi.SamplingIntegrator):
     ) -> tuple[mi.Spectrum, mi.Bool, list[mi.Float]]:
         """Return the radiance along a ray with the AOVs, whether `aovs` asks for them or not.
 
-        With `caustics`, the light that these trace is left out.
+        With `caustics`, the light that these count is left out.
         """
         with dr.suspend_grad():
             stones = Stones(scene, sampler, self.scene_check)
