@@ -8,7 +8,7 @@ import sys
 import mitsuba as mi
 import numpy as np
 import pytest
-from test_photoreal_physics import FURNACE, STONES, prism, standing, surface
+from test_photoreal_physics import FURNACE, INDEX, PATH, STOCK, STONES, prism, standing, surface
 
 from gemrender.errors import GemrenderWarning
 from gemrender.optics import load_material
@@ -247,6 +247,24 @@ def test_the_ground_gets_the_light_that_paths_from_the_eye_find(all_traced):
     assert (np.abs(off) <= SURE).all()
 
 
+def test_the_ground_gets_the_light_that_mitsubas_path_finds():
+    """A stone of one index under a lamp that `path` meets often enough: nothing of ours but the scene."""
+    placed = standing(tessellate(STONES["inoue-3"]), "stone")
+    parts = {"lamp": lamp(1.2, 20.0), "ground": ground(0.6)}
+    sensor = camera("perspective")
+    ours = scene(sensor, **parts, stone=placed_mesh(placed, surface(int_ior=INDEX), "stone"))
+    assert Passes(ours)._caustics is not None
+    sensor["film"]["pixel_format"] = "xyz"
+    stock = scene(sensor, **parts, stone=placed_mesh(placed, STOCK, "stone"), integrator=PATH)
+    shown = ~Passes(ours).stone_pixels
+    one = pictures(ours, 64)[:, shown.ravel(), 1].mean(axis=1)
+    rendered = (np.array(mi.render(stock, seed=seed, spp=1024))[..., 1] for seed in range(SEEDS))
+    other = np.array([picture[shown].mean() for picture in rendered])
+    error = math.hypot(standard_error(one), standard_error(other))
+    assert abs(one.mean() - other.mean()) <= FLAT * other.mean() + SIGMAS * error
+    assert error < 0.003 * other.mean()
+
+
 def test_a_small_light_is_traced_and_a_large_one_is_not():
     for half, traced in ((0.1, True), (2.0, False)):
         loaded = scene(camera("perspective"), lamp=lamp(half, 20.0), ground=ground(0.6), stone=stone())
@@ -358,6 +376,26 @@ def test_the_same_seed_gives_the_same_caustics():
     assert np.isfinite(found).all()
     np.testing.assert_array_equal(found[0], found[1])
     assert np.abs(found[0] - found[2]).max() > 0
+
+
+def test_an_interrupted_pass_counts_nothing(monkeypatch):
+    """The eye's samples of a pass are done when Ctrl-C comes; its rays from lights are not."""
+    loaded = scene(camera("perspective"), lamp=lamp(0.1, 20.0), ground=ground(0.6), stone=stone())
+    whole, cut = Passes(loaded, seed=3), Passes(loaded, seed=3)
+    for passes in (whole, cut):
+        passes.add(4)
+    with monkeypatch.context() as patch:
+        patch.setattr(type(cut._caustics), "trace", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            cut.add(4)
+    assert cut.samples == 4
+    for passes in (whole, cut):
+        passes.add(4)
+    np.testing.assert_array_equal(cut.xyz, whole.xyz)
+
+
+def interrupted(*_):
+    raise KeyboardInterrupt
 
 
 def test_light_that_nothing_takes_away_ends_by_chance():
