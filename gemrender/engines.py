@@ -140,7 +140,7 @@ def require_engine(
         beam.prepare(rays=not stones or any(stone.is_round for stone in stones))
 
 
-@spelt_out
+@spelt_out()
 def observe(
     stone: StoneLike,
     *,
@@ -252,7 +252,7 @@ def measure(
     return measured, view, model
 
 
-@spelt_out
+@spelt_out()
 def trace_paths(
     stone: StoneLike,
     *,

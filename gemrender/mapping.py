@@ -34,7 +34,7 @@ __all__ = ["measure_maps", "score_and_observation", "score_with_maps"]
 _REFERENCE_RAYS = 1 << 16
 
 
-@spelt_out
+@spelt_out()
 def measure_maps(
     stone: StoneLike,
     *,

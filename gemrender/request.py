@@ -20,7 +20,10 @@ __all__ = [
     "DEFAULT_TIME_LIMIT",
     "DEFAULT_VARIANT",
     "ShortForms",
+    "StudyOptions",
+    "TiltOptions",
     "TraceOptions",
+    "TracerOptions",
     "resolve",
     "spelt_out",
 ]
@@ -71,15 +74,13 @@ class ShortForms(TypedDict, total=False):
     max_reflections: int
 
 
-class TraceOptions(ShortForms, total=False):
+class TracerOptions(ShortForms, total=False):
     """How a stone is traced, whatever by; and the short forms.
 
     Keys
     ----
     stone : Stone, str or path
         The stone, or what `load_stone` takes: the name of a bundled one, or a file.
-    engine : {"auto", "exact", "mitsuba", "reference"}
-        Which tracer; "auto" is the exact one for convex stones, and Mitsuba for others.
     head : float
         Half the angle at which the viewer's head is seen from the stone, 0 to below 90 [deg].
     view : View, optional
@@ -92,24 +93,57 @@ class TraceOptions(ShortForms, total=False):
     bound : float
         Wanted error bound of exact scores, with a confidence of 99.9 % [%]; the other engines make no use of
         it.
-    seed : int
-        Seed of the exact engine's rays near the girdle; the other engines make no use of it.
     time_limit, memory_limit : float
         What an exact score may take [s] (0.1 to 86400) and [GiB] (0.125 to 1024). Past them it ends with a
         larger bound, and a note that says so. Polygons get three fifths of the time, those of maps as much
         again. The other engines make no use of them.
-    progress : callable, optional
-        Called with the share done, 0 to 1.
     """
 
     view: View | None
     model: Model | None
     variant: str
     bound: float
-    seed: int
     time_limit: float
     memory_limit: float
+
+
+class TraceOptions(TracerOptions, total=False):
+    """What is asked of a single trace, besides.
+
+    Keys
+    ----
+    seed : int
+        Seed of the exact engine's rays near the girdle; the other engines make no use of it.
+    progress : callable, optional
+        Called with the share done, 0 to 1.
+    """
+
+    seed: int
     progress: Callable[[float], None] | None
+
+
+class StudyOptions(TracerOptions, total=False):
+    """What is asked of each trace of a study, besides.
+
+    Keys
+    ----
+    engine : {"auto", "exact", "mitsuba", "reference"}
+        Which tracer; "auto" is the exact one for convex stones, and Mitsuba for others.
+    """
+
+    engine: str
+
+
+class TiltOptions(StudyOptions, total=False):
+    """The same of a study that draws nothing by chance itself.
+
+    Keys
+    ----
+    seed : int
+        Seed of the exact engine's rays near the girdle; the other engines make no use of it.
+    """
+
+    seed: int
 
 
 _SHORT_DEFAULTS: ShortForms = {
@@ -122,7 +156,8 @@ _SHORT_DEFAULTS: ShortForms = {
     "intensity": "primary",
     "max_reflections": 1000,
 }
-_TRACE_DEFAULTS: TraceOptions = {
+_DEFAULTS: dict[str, Any] = {
+    "engine": "auto",
     "view": None,
     "model": None,
     "variant": DEFAULT_VARIANT,
@@ -133,26 +168,38 @@ _TRACE_DEFAULTS: TraceOptions = {
     "progress": None,
     **_SHORT_DEFAULTS,
 }
+_FORMS = {
+    form.__name__: form for form in (ShortForms, TracerOptions, TraceOptions, StudyOptions, TiltOptions)
+}
 _TEXTS = {
-    name: text
-    for forms in (ShortForms, TraceOptions)
-    for name, text in signatures.parameter_texts(forms.__doc__).items()
+    name: text for form in _FORMS.values() for name, text in signatures.parameter_texts(form.__doc__).items()
 }
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 
-def spelt_out(function: _Function) -> _Function:
-    """Spell out `**short: Unpack[ShortForms]` or `**options: Unpack[TraceOptions]` in a function's help.
+def spelt_out(**defaults: Any) -> Callable[[_Function], _Function]:
+    """Spell out `**options: Unpack[...]`, of one of the forms above, in a function's help.
 
-    Its docstring need say nothing of parameters that mean the same as in `TraceOptions`.
+    Its docstring need say nothing of parameters that mean the same as there.
+
+    Parameters
+    ----------
+    **defaults
+        Those that are the function's own.
     """
-    has_short = any("ShortForms" in str(annotation) for annotation in function.__annotations__.values())
-    return signatures.spelt_out(
-        defaults=_SHORT_DEFAULTS if has_short else _TRACE_DEFAULTS,
-        texts=_TEXTS,
-        types=signatures.types_of(TraceOptions),
-    )(function)
+
+    def spell_out(function: _Function) -> _Function:
+        (form,) = (
+            form
+            for name, form in _FORMS.items()
+            if f"Unpack[{name}]" in (str(annotation) for annotation in function.__annotations__.values())
+        )
+        types = signatures.types_of(form)
+        of_form = {name: value for name, value in {**_DEFAULTS, **defaults}.items() if name in types}
+        return signatures.spelt_out(defaults=of_form, texts=_TEXTS, types=types)(function)
+
+    return spell_out
 
 
 def resolve(stone: Stone, view: View | None, model: Model | None, short: ShortForms) -> tuple[View, Model]:

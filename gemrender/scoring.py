@@ -245,7 +245,7 @@ def score_pixels(observation: Observation) -> Score:
     )
 
 
-@spelt_out
+@spelt_out()
 def score(
     stone: StoneLike,
     *,

@@ -69,7 +69,7 @@ class StereoScore(Tabled):
         return self.middle.to_dict() | {"stereo": stereo}
 
 
-@spelt_out
+@spelt_out()
 def score_stereo(
     stone: StoneLike,
     *,

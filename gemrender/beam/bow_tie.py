@@ -77,7 +77,7 @@ class BowTie:
         return self.belly.dark - self.ends.dark
 
 
-@spelt_out
+@spelt_out()
 def bow_tie(stone: StoneLike, *, head_deg: float = HEAD_DEG, **short: Unpack[ShortForms]) -> BowTie:
     """Return the dark shares of belly and ends of a convex stone, from straight above.
 

@@ -284,7 +284,7 @@ def _unfolded_normals(polygons: Traced, planes: np.ndarray, unfolding: np.ndarra
     return np.asarray((unfolding[polygons.nodes[node, 0]] * planes[leaves, None, :3]).sum(axis=2))
 
 
-@spelt_out
+@spelt_out()
 def trace_facets(
     stone: StoneLike | BeamStone,
     *,

@@ -100,7 +100,7 @@ def smooth_measures(chosen: str | Measure | Iterable[str | Measure]) -> tuple[Me
     return found
 
 
-@spelt_out
+@spelt_out()
 def sensitivity(
     stone: StoneLike,
     *,

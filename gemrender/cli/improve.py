@@ -181,7 +181,7 @@ def improve(
             "head": head,
             "meets": meets,
             "rough": given,
-            "options": options,
+            **options,
             "journal": None if folder is None else folder / f"{stem}-improve.jsonl",
             "progress": lambda share, _: advance(share),
             "reach": reach,

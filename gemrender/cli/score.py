@@ -132,7 +132,7 @@ def _within_rounding(loaded: LoadedStones, options: dict[str, Any]) -> dict[int,
     if len(loaded) > _FEW:
         return {}
     return {
-        i: study_tolerance(stone, Rounding.of(stone), draws=_ROUNDED, options={**options, "bound": 0.1})
+        i: study_tolerance(stone, Rounding.of(stone), draws=_ROUNDED, **{**options, "bound": 0.1})
         for i, stone in enumerate(loaded.stones)
         if stone.description == "report" and engine_for(options["engine"], stone) == "exact"
     }

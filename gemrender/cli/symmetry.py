@@ -104,7 +104,7 @@ def symmetry(
     studies = study_each(
         loaded, "symmetry", out,
         lambda stone, journal, progress: study_symmetry(
-            stone, **study, options=options, journal=journal, progress=progress
+            stone, **study, **options, journal=journal, progress=progress
         ),
         write_symmetry_figure,
     )  # fmt: skip

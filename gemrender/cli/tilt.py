@@ -138,7 +138,7 @@ def tilt(
     studies = study_each(
         loaded, "tilt", out,
         lambda stone, journal, progress: study_tilt(
-            stone, **study, options=options, journal=journal, progress=progress
+            stone, **study, **options, journal=journal, progress=progress
         ),
         write_tilt_figure,
         write_film if film is not None else None,

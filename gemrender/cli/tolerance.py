@@ -136,7 +136,7 @@ def tolerance(
     studies = study_each(
         loaded, "tolerance", out,
         lambda stone, journal, progress: study_tolerance(
-            stone, unknown_of(stone), **study, options=options, journal=journal, progress=progress
+            stone, unknown_of(stone), **study, **options, journal=journal, progress=progress
         ),
         write_tolerance_figure,
     )  # fmt: skip

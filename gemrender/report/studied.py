@@ -160,8 +160,8 @@ def study_stone(
             to_deg=tilts,
             step_deg=tilt_step,
             head=head,
-            options={key: value for key, value in options.items() if key not in ("tilt", "tilt_azimuth")},
             progress=lambda share: tell(first + (1.0 - first) * share),
+            **{key: value for key, value in options.items() if key not in ("tilt", "tilt_azimuth")},
         )
         turned = tuple(_turned(stone, of, found) for of in study.found if of.pose.turn_deg)
     azimuth = {"x": 0.0, "y": 90.0}[axis] if isinstance(axis, str) else axis

@@ -141,7 +141,7 @@ def check_reach(reach: float | None, threshold: float = THRESHOLD) -> None:
             raise InputError("must be a number above 0", key=key, value=number)
 
 
-@spelt_out
+@spelt_out()
 def find_cliffs(
     stone: StoneLike,
     parameters: Sequence[str | Parameter] | None = None,

@@ -13,7 +13,7 @@ from gemrender.engines import DEFAULT_ENGINE, DEFAULT_VARIANT, engine_for, requi
 from gemrender.stone import Stone
 from gemrender.sweep.workers import in_processes
 
-__all__ = ["FEW", "limit_threads", "spread"]
+__all__ = ["FEW", "STUDY_RESOLUTION", "limit_threads", "spread"]
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -21,6 +21,8 @@ Result = TypeVar("Result")
 #: Up to so many exact scores are shared out to threads: processes take longer to start than that, though
 #: Python's own part of the work is then done by one thread at a time.
 FEW = 200
+#: Pixels a side of the maps of studies, where nothing else is asked for.
+STUDY_RESOLUTION = 256
 
 
 def spread(

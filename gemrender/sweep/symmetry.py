@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass
 from functools import partial
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
@@ -20,9 +20,10 @@ from gemrender.cuts import StoneLike, as_stone
 from gemrender.engines import DEFAULT_ENGINE, engine_for
 from gemrender.errors import InputError
 from gemrender.journal import Journal
+from gemrender.request import StudyOptions, spelt_out
 from gemrender.shown import Tabled
 from gemrender.stone import Stone
-from gemrender.sweep.spreading import limit_threads
+from gemrender.sweep.spreading import STUDY_RESOLUTION, limit_threads
 from gemrender.sweep.unknown import MOST_JITTER, MOST_TILT_DEG, Cutting, Measuring, draw
 from gemrender.sweep.workers import LostProcessError, in_processes
 
@@ -100,6 +101,7 @@ def draw_stone(stone: Stone, tilt_deg: float, jitter: float, seed: int, number: 
     return draw(stone, unknown, seed, number)
 
 
+@spelt_out(resolution=STUDY_RESOLUTION)
 def study_symmetry(
     stone: StoneLike,
     *,
@@ -107,10 +109,10 @@ def study_symmetry(
     jitter: float = 0.0,
     draws: int = 200,
     seed: int = 1,
-    options: dict[str, Any] | None = None,
     journal: Path | None = None,
     processes: int | None = None,
     progress: Callable[[float], None] | None = None,
+    **options: Unpack[StudyOptions],
 ) -> SymmetryStudy:
     """Score many draws of a stone, on all processors.
 
@@ -124,8 +126,6 @@ def study_symmetry(
         If not 0, jitter the vertices instead: standard deviation of each coordinate [girdle radius].
     draws, seed : int
         Number of draws and their seed.
-    options : dict, optional
-        Further arguments of `gemrender.observe`: engine, variant, resolution (256 by default) ...
     journal : Path, optional
         File that every score is added to when it is known; a study that was stopped, however that came
         about, goes on from it (`gemrender.journal.Journal`).
@@ -133,6 +133,8 @@ def study_symmetry(
         Processes to use; by default one a processor.
     progress : callable, optional
         Called with the share done, 0 to 1.
+    **options
+        How each is traced, as of `gemrender.observe`.
 
     Raises
     ------
@@ -143,8 +145,8 @@ def study_symmetry(
     """
     stone = as_stone(stone)
     check_study([stone], tilt_deg=tilt_deg, jitter=jitter, draws=draws, seed=seed)
-    options = {"resolution": 256, **(options or {})}
-    is_exact = engine_for(options.get("engine", DEFAULT_ENGINE), stone) == "exact"
+    asked: dict[str, Any] = {"resolution": STUDY_RESOLUTION, **options}
+    is_exact = engine_for(asked.get("engine", DEFAULT_ENGINE), stone) == "exact"
     head = {
         "stone": stone.name,
         "vertices": stone.vertices.tolist(),
@@ -152,7 +154,7 @@ def study_symmetry(
         "tilt_deg": tilt_deg,
         "jitter": jitter,
         "seed": seed,
-        "options": {**options, "rear": options.get("rear") or stone.rear_rule},
+        "options": {**asked, "rear": asked.get("rear") or stone.rear_rule},
     }
     with contextlib.ExitStack() as stack:
         kept = None
@@ -161,7 +163,7 @@ def study_symmetry(
         known: dict[int, tuple[float, float]] = {} if kept is None else kept.known
         known = {number: scores for number, scores in known.items() if number < draws}
         missing = [number for number in range(-1, draws) if number not in known]  # -1: the stone itself
-        work = partial(_score_batch, stone, tilt_deg, jitter, seed, options)
+        work = partial(_score_batch, stone, tilt_deg, jitter, seed, asked)
         try:
             for number, scores in stack.enter_context(contextlib.closing(_scores(work, missing, processes))):
                 known[number] = scores

@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
@@ -24,10 +24,11 @@ from gemrender.errors import InputError
 from gemrender.journal import Journal
 from gemrender.measures import Measure, chosen_measures
 from gemrender.observation import MeasureValues
+from gemrender.request import TiltOptions, spelt_out
 from gemrender.stone import Stone
 from gemrender.stone.symmetry import NONE, Symmetry
 from gemrender.sweep.poses import Pose, alike, tilt_poses
-from gemrender.sweep.spreading import FEW, limit_threads, spread
+from gemrender.sweep.spreading import FEW, STUDY_RESOLUTION, limit_threads, spread
 from gemrender.sweep.tilted import Tie, TiltedValues, TiltStudy
 from gemrender.sweep.workers import LostProcessError
 
@@ -64,6 +65,7 @@ def tilt_measures(chosen: str | Measure | Iterable[str | Measure] = "inoue") -> 
     return measures
 
 
+@spelt_out(bound=DEFAULT_TILT_BOUND, resolution=STUDY_RESOLUTION)
 def study_tilt(
     stone: StoneLike,
     *,
@@ -72,10 +74,10 @@ def study_tilt(
     to_deg: float = 30.0,
     step_deg: float = 1.0,
     head: float = DEFAULT_HEAD,
-    options: dict[str, Any] | None = None,
     journal: Path | None = None,
     processes: int | None = None,
     progress: Callable[[float], None] | None = None,
+    **options: Unpack[TiltOptions],
 ) -> TiltStudy:
     """Measure a stone in many poses, on all processors.
 
@@ -95,8 +97,6 @@ def study_tilt(
         Largest tilt, above 0 and below 90, and the step [deg].
     head : float
         Half the angle at which the viewer's head is seen from the stone, 0 to below 90 [deg].
-    options : dict, optional
-        Further arguments of `gemrender.score`: engine, bound (by default 0.1), resolution (256) ...
     journal : Path, optional
         File that every pose is added to when it is known; a study that was stopped, however that came about,
         goes on from it, and so does one with other poses (`gemrender.journal.Journal`).
@@ -105,6 +105,8 @@ def study_tilt(
         processor.
     progress : callable, optional
         Called with the share done, 0 to 1.
+    **options
+        How each pose is traced, as of `gemrender.score`.
 
     Raises
     ------
@@ -115,8 +117,8 @@ def study_tilt(
         Processes were lost again and again, as where memory runs out; what is in the journal is kept.
     """
     stone, chosen = as_stone(stone), tilt_measures(measures)
-    options = {"bound": DEFAULT_TILT_BOUND, "resolution": 256, **(options or {})}
-    used = engine_for(options.get("engine", DEFAULT_ENGINE), stone)
+    asked: dict[str, Any] = {"bound": DEFAULT_TILT_BOUND, "resolution": STUDY_RESOLUTION, **options}
+    used = engine_for(asked.get("engine", DEFAULT_ENGINE), stone)
     if used == "exact":  # its first kernel must not be called by two threads at once: numba has no lock there
         require_engine(used, stones=[stone])
     # A measure that sees a turn about the eye's direction tells symmetric poses apart.
@@ -125,13 +127,13 @@ def study_tilt(
     traced: dict[tuple[float, float], Pose] = {}
     for pose in poses:
         traced.setdefault(alike(symmetry, pose), pose)
-    work = partial(_trace, stone, chosen, check_head(head), options)
+    work = partial(_trace, stone, chosen, check_head(head), asked)
     with contextlib.ExitStack() as stack:
         kept = None
         if journal is not None:
             entry = partial(_entry, chosen, symmetry)
             kept = stack.enter_context(
-                Journal(journal, _head(stone, chosen, head, options), entry, work="study")
+                Journal(journal, _head(stone, chosen, head, asked), entry, work="study")
             )
         known: dict[tuple[float, float], _Found] = {} if kept is None else dict(kept.known)
         missing = [pose for key, pose in traced.items() if key not in known]

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
@@ -17,9 +17,10 @@ from gemrender.engines import DEFAULT_ENGINE, DEFAULT_HEAD, check_head, engine_f
 from gemrender.errors import InputError
 from gemrender.journal import Journal
 from gemrender.measures import Measure, chosen_measures
+from gemrender.request import StudyOptions, spelt_out
 from gemrender.shown import Tabled
 from gemrender.stone import Stone
-from gemrender.sweep.spreading import FEW, limit_threads, spread
+from gemrender.sweep.spreading import FEW, STUDY_RESOLUTION, limit_threads, spread
 from gemrender.sweep.symmetry import MOST_DRAWS
 from gemrender.sweep.tilt import solid_digest
 from gemrender.sweep.unknown import Rounding, Unknown, draw
@@ -133,6 +134,7 @@ class ToleranceStudy(Tabled):
         }
 
 
+@spelt_out(bound=DEFAULT_TOLERANCE_BOUND, resolution=STUDY_RESOLUTION)
 def study_tolerance(
     stone: StoneLike,
     unknown: Unknown | None = None,
@@ -141,10 +143,10 @@ def study_tolerance(
     draws: int = 200,
     seed: int = 1,
     head: float = DEFAULT_HEAD,
-    options: dict[str, Any] | None = None,
     journal: Path | None = None,
     processes: int | None = None,
     progress: Callable[[float], None] | None = None,
+    **options: Unpack[StudyOptions],
 ) -> ToleranceStudy:
     """Measure many stones that one might as well be, on all processors.
 
@@ -160,14 +162,14 @@ def study_tolerance(
         Number of draws and their seed.
     head : float
         Half the angle at which the viewer's head is seen from the stone, 0 to below 90 [deg].
-    options : dict, optional
-        Further arguments of `gemrender.score`: engine, bound (0.1 by default), resolution (256), tilt ...
     journal : Path, optional
         File that every draw is added to when it is known; a study that was stopped goes on from it.
     processes : int, optional
         Processes to use, or threads where the exact engine has few draws; by default one a processor.
     progress : callable, optional
         Called with the share done, 0 to 1.
+    **options
+        How each draw is traced, as of `gemrender.score`.
 
     Raises
     ------
@@ -184,12 +186,12 @@ def study_tolerance(
     unknown = unknown or Rounding.of(stone)
     unknown.check(stone)
     chosen = chosen_measures(measures)
-    options = {"bound": DEFAULT_TOLERANCE_BOUND, "resolution": 256, **(options or {})}
-    used = engine_for(options.get("engine", DEFAULT_ENGINE), stone)
+    asked: dict[str, Any] = {"bound": DEFAULT_TOLERANCE_BOUND, "resolution": STUDY_RESOLUTION, **options}
+    used = engine_for(asked.get("engine", DEFAULT_ENGINE), stone)
     if used == "exact":  # its first kernel must not be called by two threads at once: numba has no lock there
         require_engine(used, stones=[stone])
     count = sum(len(of.keys) for of in chosen)
-    work = partial(_measured, stone, unknown, seed, chosen, check_head(head), options)
+    work = partial(_measured, stone, unknown, seed, chosen, check_head(head), asked)
     with contextlib.ExitStack() as stack:
         kept = None
         if journal is not None:
@@ -201,7 +203,7 @@ def study_tolerance(
                 "seed": seed,
                 "measures": [[of.name, of.version] for of in chosen],
                 "head_deg": float(head),
-                "options": {**options, "rear": options.get("rear") or stone.rear_rule},
+                "options": {**asked, "rear": asked.get("rear") or stone.rear_rule},
             }
             kept = stack.enter_context(
                 Journal(journal, first, partial(_entry, count, len(chosen)), work="study")

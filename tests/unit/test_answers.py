@@ -35,7 +35,7 @@ def coarse_cliffs(monkeypatch):
 def found():
     return improve(
         STONE, "inoue - leak", TWO, rounds=1, answers=1, reach=0.1, check=Check(resolution=PIXELS),
-        options={"bound": 0.2},
+        bound=0.2,
     )  # fmt: skip
 
 

@@ -112,8 +112,30 @@ def test_options_are_told_once_and_alike():
     assert "[deg]" in told[0]
 
 
+def test_every_parameter_stands_in_its_function_s_help():
+    for name in gemrender.__all__:
+        function = getattr(gemrender, name)
+        if not inspect.isfunction(function):
+            continue
+        texts = parameter_texts(function.__doc__)
+        for each in inspect.signature(function).parameters.values():
+            assert each.kind is not each.VAR_KEYWORD, name
+            assert each.name != "options", name
+            assert each.name in texts, (name, each.name)
+
+
+def test_studies_take_the_options_of_a_score():
+    found = gemrender.study_tolerance(STONE, draws=1, processes=1, tilt=5.0, bound=0.5, measures="iso")
+    once = gemrender.score(STONE, tilt=5.0, bound=0.5, measures="iso", resolution=256)
+    assert found.stated[0] == pytest.approx(once.measures[0].values["value"], rel=ROUNDING)
+    with pytest.raises(TypeError, match="unknown option 'resolutoin'"):
+        gemrender.study_tilt(STONE, to_deg=1, processes=1, resolutoin=10)
+
+
 # ---- What notebooks show -------------------------------------------------------------------------------
 
+#: Double precision, of a stone that is turned and one that is looked at from the side.
+ROUNDING = 1e-9
 #: A name that would do harm, were it taken for HTML.
 NASTY = replace(STONE, name="<script>alert('x')</script> & \"a\"")
 #: Corners of drawings are rounded to a thousandth of the unit: areas of facets are off by their outline's

@@ -18,9 +18,9 @@ from tests.observations import run_python
 
 STONE = load_stone("inoue-2")
 #: A small study that needs no Mitsuba.
-SMALL = {"draws": 5, "seed": 3, "options": {"engine": "reference", "resolution": 24}, "processes": 1}
+SMALL = {"draws": 5, "seed": 3, "engine": "reference", "resolution": 24, "processes": 1}
 #: One that takes no time.
-TINY = {**SMALL, "options": {"engine": "reference", "resolution": 6}}
+TINY = {**SMALL, "resolution": 6}
 #: The published Rear of sample 2 [%], a stone as measured.
 PAPER_REAR = 18.2
 
@@ -99,7 +99,7 @@ def progress(share):
 if __name__ == "__main__":
     try:
         study_symmetry(load_stone("inoue-2"), draws=9, seed=3, processes=2, journal=journal,
-                       options={"engine": "reference", "resolution": 6}, progress=progress)
+                       engine="reference", resolution=6, progress=progress)
     except GemrenderError as error:
         sys.exit(f"gemrender: {error}")
 """
@@ -152,7 +152,7 @@ def test_a_file_that_is_no_journal_is_refused_and_left(tmp_path):
 
 
 def test_processes_find_the_same(variant_llvm_ad_mono):
-    options = {**SMALL, "options": {"resolution": 32}}
+    options = {"draws": 5, "seed": 3, "resolution": 32, "processes": 1}
     assert study_symmetry(STONE, **{**options, "processes": 2}) == study_symmetry(STONE, **options)
 
 
@@ -186,7 +186,7 @@ def test_summary_is_that_of_the_draws():
 
 
 def test_poor_symmetry_explains_the_papers_rear_of_sample_2(variant_llvm_ad_mono):
-    study = study_symmetry(STONE, draws=60, options={"resolution": 128}, processes=1)
+    study = study_symmetry(STONE, draws=60, resolution=128, processes=1)
     rear = study.summary()["rear"]
     assert rear["low"] < PAPER_REAR < rear["high"]
     assert study.perfect[1] < rear["low"], "a perfect stone does not"

@@ -155,7 +155,7 @@ def test_a_tied_pose_is_named_with_what_is_tied():
 
 def test_another_engine_knows_no_bound():
     options = {"engine": "reference", "resolution": 8}
-    study = study_tilt(hollow_stone(), to_deg=20.0, step_deg=20.0, options=options, processes=2)
+    study = study_tilt(hollow_stone(), to_deg=20.0, step_deg=20.0, **options, processes=2)
     assert [math.isnan(found.bound("inoue")) for found in study.found] == [True] * 3
     assert study.to_dict()["poses"][0]["measures"]["inoue"]["bound"] is None
     alone = score(hollow_stone(), measures="inoue", tilt=20.0, tilt_azimuth=90.0, **options)
@@ -166,7 +166,7 @@ def test_threads_begin_when_kernels_are_there():
     """Of a process's first kernel numba makes the types without a lock."""
     code = (
         "from gemrender import load_stone; from gemrender.sweep import study_tilt;"
-        "study_tilt(load_stone('inoue-3'), measures='iso', to_deg=7, options={'bound': 1.0}, processes=8)"
+        "study_tilt(load_stone('inoue-3'), measures='iso', to_deg=7, bound=1.0, processes=8)"
     )
     done = run_python("-c", code)
     assert (done.returncode, done.stderr) == (0, "")
@@ -175,7 +175,7 @@ def test_threads_begin_when_kernels_are_there():
 def test_what_an_engine_does_not_tell_is_not_defined():
     """Only the exact engine knows virtual facets."""
     options = {"engine": "reference", "resolution": 4}
-    study = study_tilt(EMERALD, measures="facets", to_deg=2.0, step_deg=2.0, options=options, processes=1)
+    study = study_tilt(EMERALD, measures="facets", to_deg=2.0, step_deg=2.0, **options, processes=1)
     assert np.isnan(study.values("facets", "number")).all()
     assert tilt_table([study]).rows[0][3:] == ["–"] * 7
     assert tilt_figure(study).axes[0].texts[0].get_text() == "not defined for this stone"
@@ -249,7 +249,7 @@ def test_the_journal_of_another_study_is_refused(tmp_path):
     journal = tmp_path / "tilt.jsonl"
     small = {"to_deg": 2.0, "step_deg": 2.0, "journal": journal}
     study_tilt(EMERALD, **small)
-    for stone, other in ((PEAR, {}), (EMERALD, {"head": 5.0}), (EMERALD, {"options": {"bound": 0.2}})):
+    for stone, other in ((PEAR, {}), (EMERALD, {"head": 5.0}), (EMERALD, {"bound": 0.2})):
         with pytest.raises(InputError, match="is the journal of another study"):
             study_tilt(stone, **small, **other)
 

@@ -66,7 +66,7 @@ def test_values_are_those_of_the_drawn_stones():
 
 
 def test_cutting_errors_are_those_of_the_study_of_symmetry():
-    of_symmetry = study_symmetry(REPORT, tilt_deg=0.3, draws=3, seed=2, processes=1, options={"bound": 0.1})
+    of_symmetry = study_symmetry(REPORT, tilt_deg=0.3, draws=3, seed=2, processes=1, bound=0.1)
     study = study_tolerance(REPORT, Cutting(0.3), draws=3, seed=2, processes=1)
     assert study.drawn[:, 0] == pytest.approx(of_symmetry.average, abs=ROUNDING)
 

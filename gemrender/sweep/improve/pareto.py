@@ -10,15 +10,16 @@ import contextlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Unpack
 
 import numpy as np
 
+from gemrender import signatures
 from gemrender.cuts import StoneLike
 from gemrender.engines import DEFAULT_HEAD
 from gemrender.errors import BackendError, InputError
+from gemrender.request import TracerOptions
 from gemrender.shown import Tabled
-from gemrender.signatures import parameter_texts, spelt_out
 from gemrender.sweep.improve.answers import (
     Answer,
     Phases,
@@ -90,7 +91,7 @@ class Front(Tabled):
         return f"<Front from {self.start.stone.name!r}: {len(self.front)} of {self.tried} stones tried>"
 
 
-@spelt_out(defaults={}, texts=parameter_texts(improve.__doc__), types={})
+@signatures.spelt_out(defaults={}, texts=signatures.parameter_texts(improve.__doc__), types={})
 def pareto_front(
     stone: StoneLike,
     goals: Sequence[Goal | str],
@@ -105,13 +106,13 @@ def pareto_front(
     head: float = DEFAULT_HEAD,
     meets: str | None = None,
     rough: Rough | str | None = None,
-    options: dict[str, Any] | None = None,
     journal: Path | None = None,
     threads: int | None = None,
     progress: Callable[[float, float], None] | None = None,
     details: bool = True,
     reach: float | None = None,
     check: Check | None = None,
+    **options: Unpack[TracerOptions],
 ) -> Front:
     """Search for stones of which none is better by all of several goals.
 
@@ -139,7 +140,7 @@ def pareto_front(
         raise InputError(f"must be from 2 to {_MOST_GOALS} goals, got {len(goals)}", key="goal")
     search = prepare_search(
         stone, goals, vary_by, keep=keep, unknown=unknown, draws=draws, answers=answers, rounds=rounds,
-        seed=seed, head=head, meets=meets, rough=rough, options=options, reach=reach,
+        seed=seed, head=head, meets=meets, rough=rough, options={**options}, reach=reach,
     )  # fmt: skip
     require_pymoo()
     phases = Phases(progress, details=details, check=check is not None)

@@ -11,11 +11,12 @@ import contextlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 from gemrender.cuts import StoneLike
 from gemrender.engines import DEFAULT_HEAD
 from gemrender.errors import InputError
+from gemrender.request import TracerOptions, spelt_out
 from gemrender.shown import Tabled
 from gemrender.sweep.improve.answers import (
     Answer,
@@ -30,7 +31,13 @@ from gemrender.sweep.improve.finish import finished
 from gemrender.sweep.improve.goals import Goal
 from gemrender.sweep.improve.ranges import Range
 from gemrender.sweep.improve.rough import Rough
-from gemrender.sweep.improve.search import DEFAULT_DRAWS, Places, Search, prepare_search
+from gemrender.sweep.improve.search import (
+    DEFAULT_DRAWS,
+    DEFAULT_SEARCH_BOUND,
+    Places,
+    Search,
+    prepare_search,
+)
 from gemrender.sweep.unknown import Unknown
 
 __all__ = ["Answer", "Improvement", "SearchInterruptedError", "improve"]
@@ -70,6 +77,7 @@ class Improvement(Tabled):
         return (self.goal,)
 
 
+@spelt_out(bound=DEFAULT_SEARCH_BOUND)
 def improve(
     stone: StoneLike,
     goal: Goal | str,
@@ -84,13 +92,13 @@ def improve(
     head: float = DEFAULT_HEAD,
     meets: str | None = None,
     rough: Rough | str | None = None,
-    options: dict[str, Any] | None = None,
     journal: Path | None = None,
     threads: int | None = None,
     progress: Callable[[float, float], None] | None = None,
     details: bool = True,
     reach: float | None = None,
     check: Check | None = None,
+    **options: Unpack[TracerOptions],
 ) -> Improvement:
     """Search for stones for which a goal is large.
 
@@ -123,8 +131,6 @@ def improve(
     rough : Rough or str, optional
         What the stones are cut from, as `gemrender.sweep.improve.sized.read_rough` reads it, for goals of
         `yield` and `carat`; the answers have the size that fits.
-    options : dict, optional
-        Further arguments of `gemrender.score`: bound (0.1 by default), index ...
     journal : Path, optional
         File that the goal of every stone is added to when it is known: the search goes on from it, since it
         takes the same way again.
@@ -138,6 +144,8 @@ def improve(
         How far cliffs are looked for [% or deg]; by default as `gemrender.sweep.cliffs.find_cliffs`.
     check : Check, optional
         How the start and the answers are checked by Mitsuba and the reference; by default they are not.
+    **options
+        How each stone is traced, as of `gemrender.score`.
 
     Raises
     ------
@@ -148,7 +156,7 @@ def improve(
     """
     search = prepare_search(
         stone, [goal], vary_by, keep=keep, unknown=unknown, draws=draws, answers=answers, rounds=rounds,
-        seed=seed, head=head, meets=meets, rough=rough, options=options, reach=reach,
+        seed=seed, head=head, meets=meets, rough=rough, options={**options}, reach=reach,
     )  # fmt: skip
     phases = Phases(progress, details=details, check=check is not None)
 
