@@ -37,7 +37,8 @@ suppress_warnings = ["myst.header"]
 
 # Notebooks are text, and are run when the site is built; a cell that fails fails the build.
 nb_execution_mode = "force"
-nb_execution_timeout = 120
+nb_execution_timeout = 300
+nb_execution_in_temp = True
 nb_execution_raise_on_error = True
 nb_execution_show_tb = True
 nb_merge_streams = True
