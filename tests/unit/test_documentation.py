@@ -31,7 +31,9 @@ CHEAPER: dict[str, dict[str, str | None]] = {
         "--size": "12", "--spp": "1", "--quality": None, "--noise": None, "--frames": "2", "--time": None,
         "--bins": "4",
     },
-    "improve": {"--rounds": "1", "--answers": "1", "--check": None, "--reach": "0.1", "--bound": "5", "--draws": "2"},
+    "improve": {
+        "--rounds": "1", "--answers": "1", "--check": None, "--reach": "0.1", "--draws": "2",
+    },
     "symmetry": {"--draws": "2"},
     "tolerance": {"--draws": "2"},
     "tilt": {"--to": "4", "--step": "4"},
@@ -42,7 +44,8 @@ CHEAPER: dict[str, dict[str, str | None]] = {
 }  # fmt: skip
 #: Options of `CHEAPER` that are given where a page does not, too.
 ALWAYS = {
-    "render": ("--size", "--spp"), "improve": ("--rounds", "--answers", "--bound", "--draws", "--reach"), "symmetry": ("--draws",),
+    "render": ("--size", "--spp"), "improve": ("--rounds", "--answers", "--draws", "--reach"),
+    "symmetry": ("--draws",),
     "tolerance": ("--draws",), "tilt": ("--to", "--step"), "compare": ("--resolution",),
     "report": ("--resolution",), "score": ("--resolution",), "atlas": ("--dry-run",),
 }  # fmt: skip
