@@ -88,6 +88,7 @@ def folder(tmp_path_factory):
     }.items():  # fmt: skip
         (folder / name).write_text(text, encoding="utf-8")
     obj(folder / "box.obj", box())
+    shutil.copy(ROOT / "scenes" / "setups" / "studio.toml", folder / "my.toml")
     for name in ("docs", "scripts"):
         (folder / name).symlink_to(ROOT / name)
     return folder
