@@ -19,7 +19,6 @@ extensions = [
     "myst_nb",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
-    "sphinx.ext.viewcode",
     "sphinx_copybutton",
     "sphinx_design",
     "mitsuba_manuals",
@@ -30,10 +29,8 @@ exclude_patterns = ["_ext", "_static"]
 nitpicky = False
 default_role = "py:obj"
 
-myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
+myst_enable_extensions = ["colon_fence", "attrs_block"]
 myst_heading_anchors = 4
-# Written for GitHub, where a page may begin with its second heading.
-suppress_warnings = ["myst.header"]
 
 # Notebooks are text, and are run when the site is built; a cell that fails fails the build.
 nb_execution_mode = "force"
@@ -45,6 +42,7 @@ nb_merge_streams = True
 nb_ipywidgets_js = {}
 
 autodoc_typehints = "none"  # docstrings have types, units and ranges
+autodoc_use_type_comments = False
 autodoc_member_order = "bysource"
 autoclass_content = "class"
 add_module_names = False

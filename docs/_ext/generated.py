@@ -60,7 +60,7 @@ def _command(command: Any) -> Iterator[str]:
         "```",
         "",
     )
-    yield from ("| | | |", "| --- | --- | --- |")
+    yield from ("{.options}", "| | | |", "| --- | --- | --- |")
     for of in arguments:
         yield f"| `{_metavar(of)}` | {_cell(of.help)} | {_default(of)} |"
     panels = {of.rich_help_panel or "" for of in options}

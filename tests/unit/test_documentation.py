@@ -82,8 +82,10 @@ def folder(tmp_path_factory):
     [report] = [block.text for block in blocks_in("toml") if block.page == "README.md"]
     [oval] = [block.text for block in blocks_in("toml") if "A jeweller's oval" in block.text]
     [plan] = [block.text for block in blocks_in("toml") if "[vary]" in block.text]
+    [glass] = [block.text for block in blocks_in("toml") if "My glass" in block.text]
     for name, text in {
         "my-stone.toml": report, "report.toml": report, "oval.toml": oval, "plan.toml": plan,
+        "my-glass.toml": glass,
         "stones.csv": "name,Table %,Crown Angle,Pavilion Angle,Girdle\none,57,34.5,40.8,Thin\n",
     }.items():  # fmt: skip
         (folder / name).write_text(text, encoding="utf-8")
