@@ -53,7 +53,7 @@ if TYPE_CHECKING:
     from gemrender.sweep.tolerance import ToleranceStudy, study_tolerance
     from gemrender.sweep.unknown import Cutting, Measuring, Rounding
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 __all__ = [
     "BackendError",

@@ -178,7 +178,7 @@ class Stone(Shown):
 
     @cached_property
     def half_width(self) -> float:
-        """Largest |x| or |y|: half the side of the square that holds the view from above."""
+        """Largest absolute x or y: half the side of the square that holds the view from above."""
         if self.is_round:
             return 1.0
         return float(np.abs(self.solid.vertices[:, :2]).max())

@@ -82,7 +82,7 @@ def test_what_polygons_tell_has_no_bound():
 
 
 def test_the_example_of_the_page_runs(capsys):
-    page = (ROOT / "docs" / "measures.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "own-measure.md").read_text(encoding="utf-8")
     [code] = re.findall(r"```python\n(.*?)```", page, flags=re.DOTALL)
     found: dict = {}
     exec(code, found)

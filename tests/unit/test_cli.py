@@ -13,6 +13,7 @@ import pytest
 from observations import ROOT, environment, run_gemrender, run_python
 from solids import bent_stone
 
+import gemrender
 from gemrender import crosscheck
 from gemrender.cli import output
 from gemrender.cuts import bundled_stones
@@ -544,4 +545,4 @@ def test_an_interruption_stops_soon_and_leaves_no_files(tmp_path):
 
 def test_the_module_and_the_version():
     done = run_gemrender("--version", cwd=ROOT)
-    assert (done.returncode, done.stdout, done.stderr) == (0, "0.1.0\n", "")
+    assert (done.returncode, done.stdout, done.stderr) == (0, f"{gemrender.__version__}\n", "")
