@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from thorough import chosen
 
 from gemrender.colorimetry import colour_matching, y_integral_nm
 from gemrender.cuts import load_stone
@@ -39,14 +40,17 @@ def scene():
     return scene_of()
 
 
-@pytest.mark.parametrize("spp", [1, 2, 3, 7, 13])
+@pytest.mark.parametrize("spp", chosen([1, 2, 3, 7, 13], [13]))
 def test_all_samples_are_counted(scene, spp):
     passes = Passes(scene)
     passes.add(spp)
     assert passes.samples == spp
 
 
-@pytest.mark.parametrize(("setup", "number"), [("hemisphere", 16), ("arrows", 16), ("studio", 40)])
+OF_NOISE = [("hemisphere", 16), ("arrows", 16), ("studio", 40)]
+
+
+@pytest.mark.parametrize(("setup", "number"), chosen(OF_NOISE, OF_NOISE[:2]))
 def test_the_noise_is_the_error_on_the_stone(setup, number):
     """Stated of one picture, against the scatter of pictures of many seeds, with its jackknife error.
 
