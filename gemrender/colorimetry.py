@@ -7,9 +7,12 @@ Y = 1, whatever the light's colour.
 
 from __future__ import annotations
 
+import importlib
 import re
+import sys
 import warnings
 from functools import lru_cache
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -24,6 +27,7 @@ __all__ = [
     "adaptation_matrix",
     "check_image",
     "colour_matching",
+    "colour_science",
     "colour_spectrum",
     "colour_xyz",
     "illuminant_names",
@@ -202,12 +206,30 @@ def _xyz_to_rgb() -> np.ndarray:
     return np.asarray(matrix_to_linear_srgb() @ adaptation_matrix(white_xyz("d65")))
 
 
+class _Plotting(ModuleType):
+    """Stands for `colour.plotting` until somebody uses it: Matplotlib takes nearly half of the import."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return getattr(importlib.import_module(self.__name__), name)
+
+
 @lru_cache(maxsize=1)
-def _colour() -> Any:
-    """Import colour-science, which warns of what it cannot do without SciPy: nothing that is needed here."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        import colour
+def colour_science() -> Any:
+    """Return the module of colour-science, imported without its plotting.
+
+    It warns of what it cannot do without SciPy: nothing that is needed here.
+    """
+    plotting = "colour.plotting"
+    stand_in = sys.modules.setdefault(plotting, _Plotting(plotting))
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            import colour
+    finally:
+        if sys.modules.get(plotting) is stand_in and isinstance(stand_in, _Plotting):
+            del sys.modules[plotting]  # who imports it has the whole of it
     return colour
 
 
@@ -221,7 +243,7 @@ def _wavelengths(wavelength_nm: Any) -> np.ndarray:
 @lru_cache(maxsize=1)
 def _observer() -> tuple[np.ndarray, np.ndarray]:
     """Return wavelengths [nm] (n,) and the three bars (n, 3) of the table, 1 nm apart."""
-    table = _colour().MSDS_CMFS[_OBSERVER]
+    table = colour_science().MSDS_CMFS[_OBSERVER]
     rows, bars = np.array(table.wavelengths, dtype=np.float64), np.array(table.values, dtype=np.float64)
     rows.setflags(write=False)
     bars.setflags(write=False)
@@ -231,7 +253,7 @@ def _observer() -> tuple[np.ndarray, np.ndarray]:
 @lru_cache(maxsize=1)
 def _illuminants() -> dict[str, str]:
     """Return colour-science's name of each light, without ISO 7589, whose tables end at 690 nm."""
-    names = (name for name in _colour().SDS_ILLUMINANTS if not name.startswith("ISO"))
+    names = (name for name in colour_science().SDS_ILLUMINANTS if not name.startswith("ISO"))
     return {re.sub(r"^fl(?=\d)", "f", name.lower()): name for name in names}
 
 
@@ -261,7 +283,7 @@ def _relative(light: str | float, wavelengths: np.ndarray) -> np.ndarray:
             return np.asarray(ratio * (560.0 / wavelengths) ** 5)
     if light == "e":
         return np.ones_like(wavelengths)
-    table = _colour().SDS_ILLUMINANTS[_illuminants()[light]]
+    table = colour_science().SDS_ILLUMINANTS[_illuminants()[light]]
     return np.asarray(np.interp(wavelengths, table.wavelengths, table.values, left=0, right=0))
 
 
@@ -290,7 +312,7 @@ def adaptation_matrix(white: Any) -> np.ndarray:
     InputError
         A white that no light has.
     """
-    adaptation = _colour().adaptation
+    adaptation = colour_science().adaptation
 
     xyz = np.asarray(white, dtype=np.float64)
     if xyz.shape != (3,) or not np.all(np.isfinite(xyz)) or not xyz[0] > 0 < xyz[1] or xyz[2] < 0:
@@ -368,11 +390,11 @@ def _transformed(xyz: Any, matrix: np.ndarray) -> np.ndarray:
 @lru_cache(maxsize=1)
 def _srgb() -> tuple[np.ndarray, np.ndarray]:
     """Return sRGB's white XYZ (3,), Y = 1, and its matrix (3, 3) from linear sRGB to XYZ."""
-    space = _colour().RGB_COLOURSPACES["sRGB"]
+    space = colour_science().RGB_COLOURSPACES["sRGB"]
     x, y = (float(value) for value in space.whitepoint)
     white = np.array([x / y, 1.0, (1 - x - y) / y])
     matrix = np.array(
-        _colour().normalised_primary_matrix(space.primaries, space.whitepoint), dtype=np.float64
+        colour_science().normalised_primary_matrix(space.primaries, space.whitepoint), dtype=np.float64
     )
     white.setflags(write=False)
     matrix.setflags(write=False)

@@ -21,7 +21,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from gemrender.colorimetry import luminance_weights
+from gemrender.colorimetry import colour_science, luminance_weights
 
 __all__ = [
     "AGX_WHITE",
@@ -228,8 +228,7 @@ def _contrast_scales() -> tuple[float, float]:
 @lru_cache(maxsize=1)
 def _agx_matrices() -> tuple[np.ndarray, np.ndarray]:
     """Return the matrices from linear sRGB to where AgX's sigmoid is drawn, and back."""
-    import colour  # as colorimetry has imported it, without its warnings
-
+    colour = colour_science()
     spaces = colour.RGB_COLOURSPACES
     wide = colour.matrix_RGB_to_RGB(spaces["sRGB"], spaces["ITU-R BT.2020"], None)
     narrow = np.linalg.inv(wide)

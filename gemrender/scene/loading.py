@@ -26,6 +26,13 @@ def load_scene(description: dict[str, Any]) -> Any:
     mi.Object
         A `mi.Scene` for a dictionary of type "scene".
     """
+    import drjit as dr
     import mitsuba as mi
 
-    return mi.load_dict(description, **_IN_ORDER)
+    # Dr.Jit orders a kernel's numbers by the block that they are from, and equal numbers are from that of the
+    # first. Those of a scene are its own, and from before any pass: else the first pass would be another
+    # kernel than the others, and those of the next scene other ones again.
+    with dr.scoped_set_flag(dr.JitFlag.ValueNumbering, False):
+        made = mi.load_dict(description, **_IN_ORDER)
+    dr.detail.new_scope(dr.backend_v(mi.Float))
+    return made

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from observations import ROOT
+from thorough import chosen
 
 from gemrender.cuts import load_stone
 from gemrender.errors import GemrenderWarning, InputError
@@ -66,9 +67,10 @@ def test_the_weight_of_two_densities_is_a_number(density, other, weight, variant
     assert mis_weight(mi.Float(density), mi.Float(other))[0] == pytest.approx(weight, rel=SINGLE)
 
 
-def test_random_setups_make_pictures_of_numbers():
+@pytest.mark.parametrize("setups", chosen(["2", "20"], ["2"]))
+def test_random_setups_make_pictures_of_numbers(setups):
     script = [sys.executable, str(ROOT / "scripts" / "fuzz_setups.py"), "--show"]
-    options = ["--setups", "5", "--size", "8", "--samples", "2", "--seed", "3"]
+    options = ["--setups", setups, "--size", "8", "--samples", "2", "--seed", "3"]
     done = subprocess.run([*script, *options], capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
     wrong = "samples left out", "not finite or negative", "refused without a reason", "traceback"

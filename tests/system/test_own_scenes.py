@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from meshes import box, turned, write_ply
 from PIL import Image
+from thorough import chosen
 
 from gemrender.cuts import load_stone
 from gemrender.errors import GemrenderWarning
@@ -22,6 +23,8 @@ from gemrender.scene.xml import write_photoreal
 SAMPLES, SIGMAS = 64, 4.0
 #: Single precision.
 SINGLE = 1e-5
+#: Each in one test at least, and in all of them where both integrators see the same.
+VARIANTS = ["llvm_ad_mono", "llvm_ad_rgb", "llvm_ad_spectral"]
 ALBEDO_AND_NORMAL = ["albedo.R", "albedo.G", "albedo.B", "normal.X", "normal.Y", "normal.Z"]
 
 
@@ -63,6 +66,7 @@ def pixels(path):
 # ---- The tutorials' three lines ------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("variants_all", chosen(VARIANTS, ["llvm_ad_spectral"]), indirect=True)
 def test_a_scene_of_ones_own_becomes_a_picture(variants_all, ply, tmp_path):
     scene = mi.load_dict(own_scene(ply, material="diamond"))
     image = mi.render(scene)
@@ -90,6 +94,7 @@ def test_a_written_scene_becomes_a_picture(variant_llvm_ad_spectral, tmp_path, s
 # ---- Albedo and normal ---------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("variants_all", chosen(VARIANTS, ["llvm_ad_rgb"]), indirect=True)
 def test_albedo_and_normal_come_when_asked_for(variants_all, ply):
     plain, asked = (mi.load_dict(own_scene(ply, aovs=aovs)) for aovs in (False, True))
     assert plain.integrator().aov_names() == []

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import shutil
 import signal
 import sys
 from pathlib import Path
@@ -19,7 +20,7 @@ from render_help import (
     names,
 )
 
-from gemrender import load_setup, load_stone, render_film
+from gemrender import cli, load_setup, load_stone, render_film
 from gemrender.render import frames, photoreal
 from gemrender.render.photoreal import make_gems
 from gemrender.scene.moves import Move
@@ -171,20 +172,11 @@ def test_noise_stays_where_it_is(moments):
     assert (other.xyz == first.xyz)[ground].mean() < 0.05
 
 
-#: A film that is killed where the first argument says.
+#: A film that is killed in the midst of a line of its journal.
 KILLED = """
 import os, signal, sys
-from pathlib import Path
-from PIL import Image
 from gemrender import cli
-from gemrender import load_setup, load_stone, render_film
-from gemrender.render import frames, photoreal
-from gemrender.render.photoreal import make_gems
-from gemrender.scene.moves import Move
-
-def half_then_killed(path, *_, **__):
-    Path(path).write_bytes(b"half")
-    os.kill(os.getpid(), signal.SIGKILL)
+from gemrender.render import frames
 
 class Journal(frames.Journal):
     def add(self, k, *line):
@@ -193,26 +185,55 @@ class Journal(frames.Journal):
             os.kill(os.getpid(), signal.SIGKILL)
         super().add(k, *line)
 
-where, *arguments = sys.argv[1:]
-save = Image.Image.save
-if where == "frame":
-    Image.Image.save = lambda image, path, *a, **b: (
-        half_then_killed if Path(path).name == "00001.png" else save.__get__(image))(path, *a, **b)
-elif where == "journal":
-    frames.Journal = Journal
-else:
-    frames.encode_film = half_then_killed
-cli.main(arguments)
+frames.Journal = Journal
+cli.main(sys.argv[1:])
 """
 
 
-def test_a_film_killed_three_times_is_that_of_one_go(gemrender, folder, av, turns, monkeypatch):
-    for where, done in (("frame", 1), ("journal", 2), ("film", 3)):
-        killed = run_python("-c", KILLED, where, *FILM)
-        assert (killed.returncode, killed.stdout) == (-signal.SIGKILL, "")
+class KilledError(BaseException):
+    """Stands for the end of a process that is killed."""
+
+
+def killed_while_writing(name, monkeypatch, capsys):
+    """Leave what a process leaves that is killed while it writes a file; return what it has said."""
+
+    def half_then_killed(path, *_, **__):
+        Path(path).write_bytes(b"half")
+        shutil.copytree("x.mp4.frames", "left")
+        raise KilledError
+
+    save = Image.Image.save
+
+    def save_or_end(image, path, *arguments, **options):
+        writes = half_then_killed if Path(path).name == name else save.__get__(image)
+        writes(path, *arguments, **options)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Image.Image, "save", save_or_end)
+        if name == "x.mp4":
+            patched.setattr(frames, "encode_film", half_then_killed)
+        with pytest.raises(KilledError):
+            cli.main(FILM)
+    shutil.rmtree("x.mp4.frames")
+    Path("left").rename("x.mp4.frames")
+    return capsys.readouterr().err
+
+
+def test_a_film_killed_three_times_is_that_of_one_go(gemrender, folder, av, turns, monkeypatch, capsys):
+    def is_kept(done):
         lines = Path("x.mp4.frames/journal.jsonl").read_text().splitlines()[1:]
         assert [json.loads(line)[0] for line in lines[:done]] == list(range(done))
         assert not Path("x.mp4").exists()
+
+    assert killed_while_writing("00001.png", monkeypatch, capsys) == ""
+    assert turns() == [0, 120]
+    is_kept(1)
+    killed = run_python("-c", KILLED, *FILM)
+    assert (killed.returncode, killed.stdout) == (-signal.SIGKILL, "")
+    is_kept(2)
+    assert "a line that is no entry is left out" in killed_while_writing("x.mp4", monkeypatch, capsys)
+    assert turns() == [240]
+    is_kept(3)
     assert gemrender(*FILM) == (0, "", "written: x.mp4\n")
     assert turns() == []
     assert names(".") == {"x.mp4"}

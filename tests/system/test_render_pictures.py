@@ -19,6 +19,7 @@ from render_help import (
     read_png,
     samples_and_noise,
 )
+from thorough import chosen
 
 from gemrender import cli
 from gemrender.colorimetry import colour_matching, luminance_weights, y_integral_nm
@@ -196,7 +197,11 @@ def test_stones_stand_side_by_side_in_their_order(render, face_up):
         assert header["Title"] == ", ".join(shown[name] for name in order)
 
 
-@pytest.mark.parametrize("setup", bundled_setups())
+#: Of the others most are rendered as photographs, in tests of noise and of lights, and two are as `aset` is.
+OF_KINDS = ["aset", "hand", "loupe", "sun", "velvet"]
+
+
+@pytest.mark.parametrize("setup", chosen(bundled_setups(), OF_KINDS))
 def test_every_setup_makes_a_picture(setup, render):
     render("inoue-3", "-o", "a.exr", "--setup", setup, "--size", "16", "--spp", "8")
     channels, _ = read_exr("a.exr")

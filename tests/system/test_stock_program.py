@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from observations import environment, run_python
+from thorough import chosen
 
 from gemrender.cuts import load_stone
 from gemrender.render.llvm import LLVM_VARIABLE, export_line
@@ -94,7 +95,7 @@ def test_the_heading_has_the_lines_to_type(stock):
 BEFORE = ["", "import mitsuba; mitsuba.set_variant('scalar_rgb')", "import drjit, mitsuba"]
 
 
-@pytest.mark.parametrize("before", BEFORE)
+@pytest.mark.parametrize("before", chosen(BEFORE, BEFORE[1:2]))
 def test_the_headings_lines_of_python_render_the_scene(before, tmp_path, variant_llvm_ad_spectral):
     path = written(tmp_path, stock=False)
     lines = path.read_text(encoding="utf-8").partition("-->\n")[0].splitlines()

@@ -114,7 +114,9 @@ def test_light_of_a_colour_from_everywhere_is_that_colour(colour):
     np.testing.assert_allclose(found, colour, rtol=DRAWN, atol=PURE)
 
 
-@pytest.mark.parametrize(("elevation", "azimuth"), [(90, -90), (35, 20), (-20, 200)])
+@pytest.mark.parametrize(
+    ("elevation", "azimuth"), chosen([(90, -90), (35, 20), (-20, 200)], [(35, 20), (-20, 200)])
+)
 def test_the_zenith_is_where_the_camera_is(elevation, azimuth):
     """An orthographic camera looks down its own vertical: beside the stone there is the lowest zone alone."""
     camera = Camera(type="orthographic", elevation=elevation, azimuth=azimuth, margin=1.5)

@@ -38,7 +38,7 @@ LAYERS: list[dict[str, set[str]]] = [
     {"beam": {"numpy", "numba"}},
     {"scene": {"numpy", "scipy", "mitsuba", "drjit"}},
     {"plugins": {"numpy", "mitsuba", "drjit"}},
-    {"render": {"numpy", "numba", "mitsuba", "drjit", "colour", "OpenEXR", "PIL", "av", "mitsuba_oidn"}},
+    {"render": {"numpy", "numba", "mitsuba", "drjit", "OpenEXR", "PIL", "av", "mitsuba_oidn"}},
     {"engines": {"numpy"}},
     {"scoring": {"numpy"}},
     {"mapping": {"numpy"}},

@@ -7,14 +7,14 @@ import io
 import json
 import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
+from gemrender.cli.program import app
 from gemrender.cuts import bundled_stones
-from tests.observations import environment, run_gemrender
+from tests.observations import run_gemrender, run_python
 
 FAST = ["--engine", "reference", "--resolution", "16"]
 BANDS = ["band_75", "band_60", "band_45", "band_30", "band_15", "band_0"]
@@ -127,17 +127,17 @@ def test_a_table_of_stones_is_scored_row_by_row(folder, gemrender):
     assert "assumed in 1 of 2 rows: lower half 80" in gemrender("score", "list.csv", *FAST)[1]
 
 
-def test_pandas_reads_many_stones_without_help(folder):
+def test_pandas_reads_many_stones_without_help(folder, gemrender):
     pandas = pytest.importorskip("pandas")
     head = "name,table,crown_angle,pavilion_angle,star,lower_half,girdle_thickness"
     lines = [f"s{i},{53 + i % 10},{33 + i % 5},{40.2 + i % 9 / 10},50,80,3" for i in range(200)]
     Path("stones.csv").write_text("\n".join([head, *lines]))
-    done = run_gemrender(
-        "score", "stones.csv", "--engine", "reference", "--resolution", "2", "--format", "csv", cwd=folder
+    status, out, err = gemrender(
+        "score", "stones.csv", "--engine", "reference", "--resolution", "2", "--format", "csv"
     )
-    assert done.returncode == 0
-    assert done.stderr.splitlines()[-1].startswith("200 stones in ")
-    read = pandas.read_csv(io.StringIO(done.stdout))
+    assert status == 0
+    assert err.splitlines()[-1].startswith("200 stones in ")
+    read = pandas.read_csv(io.StringIO(out))
     assert list(read["name"]) == [f"s{i}" for i in range(200)]
     assert all(read[key].dtype == "float64" for key in ("average", "rear", *BANDS))
 
@@ -298,31 +298,15 @@ def test_a_materials_file_is_told_in_full(folder, gemrender):
 # ---- The shell -------------------------------------------------------------------------------------------
 
 
-def completed(line: str, cwd: Path) -> list[str]:
-    """What bash is told that may stand at the end of a line."""
-    code = "from gemrender.cli import app; app(prog_name='gemrender')"
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        env=environment(
-            {
-                "_GEMRENDER_COMPLETE": "complete_bash",
-                "COMP_WORDS": line,
-                "COMP_CWORD": str(len(line.split(" ")) - 1),
-            }
-        ),
-        capture_output=True,
-        text=True,
-        cwd=cwd,
-        timeout=60,
-    )
-    assert done.stderr == ""
-    return done.stdout.split()
+def asks(line: str) -> dict[str, str]:
+    """What bash asks by what may stand at the end of a line."""
+    return {"_GEMRENDER_COMPLETE": "complete_bash", "COMP_WORDS": line, "COMP_CWORD": str(line.count(" "))}
 
 
-def test_commands_options_choices_and_names_are_completed(tmp_path):
-    (tmp_path / "inside.toml").write_text("")
-    (tmp_path / "inside.txt").write_text("")
-    (tmp_path / "into").mkdir()
+def test_commands_options_choices_and_names_are_completed(folder):
+    Path("inside.toml").write_text("")
+    Path("inside.txt").write_text("")
+    Path("into").mkdir()
     expected = {
         "gemrender sco": ["score"],
         "gemrender score --eng": ["--engine"],
@@ -335,17 +319,25 @@ def test_commands_options_choices_and_names_are_completed(tmp_path):
         "gemrender render --material ru": ["ruby", "rutile"],
         "gemrender score inoue-3 --format m": ["markdown"],
     }
-    assert {line: completed(line, tmp_path) for line in expected} == expected
+    completed = {
+        line: CliRunner().invoke(app, prog_name="gemrender", env=asks(line)).stdout.split()
+        for line in expected
+    }
+    assert completed == expected
+
+
+def test_a_process_of_its_own_completes():
+    code = "from gemrender.cli import app; app(prog_name='gemrender')"
+    done = run_python("-c", code, environment=asks("gemrender sco"))
+    assert (done.stdout.split(), done.stderr) == (["score"], "")
 
 
 @pytest.mark.skipif(os.name == "nt", reason="a shell's line")
-def test_doctor_prints_the_line_for_the_shell_and_nothing_else():
-    for option in ("--export", "-e"):
-        done = run_gemrender("doctor", option)
-        assert done.returncode == 0
-        assert done.stderr == ""
-        assert done.stdout.count("\n") == 1
-        assert done.stdout.startswith("export DRJIT_LIBLLVM_PATH=")
+def test_doctor_prints_the_line_for_the_shell_and_nothing_else(gemrender):
+    done = run_gemrender("doctor", "--export")
+    assert (done.returncode, done.stderr, done.stdout.count("\n")) == (0, "", 1)
+    assert done.stdout.startswith("export DRJIT_LIBLLVM_PATH=")
+    assert gemrender("doctor", "-e") == (0, done.stdout, "")
 
 
 def test_what_was_mended_in_a_stones_file_is_told(gemrender, tmp_path):

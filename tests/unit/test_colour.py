@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import colour
 import numpy as np
 import pytest
+from observations import run_python
 from refusals import refused
 
 from gemrender.colorimetry import (
@@ -12,6 +12,7 @@ from gemrender.colorimetry import (
     adapt,
     adaptation_matrix,
     colour_matching,
+    colour_science,
     colour_spectrum,
     colour_xyz,
     illuminant_names,
@@ -23,6 +24,8 @@ from gemrender.colorimetry import (
 from gemrender.render.develop import (
     fit_gamut,
 )
+
+colour = colour_science()
 
 #: Rows of the observer's table [nm].
 ROWS_NM = np.arange(360.0, 831.0)
@@ -219,3 +222,16 @@ def test_whites_that_no_light_has_are_refused(white):
 @pytest.mark.parametrize("image", [1.0, np.ones((4, 4)), np.ones((4, 3), dtype=complex), np.array(["a"] * 3)])
 def test_no_images_are_refused(image):
     refused(lambda: xyz_to_linear_srgb(image), "xyz.")
+
+
+# ---- colour-science ------------------------------------------------------------------------------------
+
+
+def test_it_comes_without_its_plotting_until_that_is_used():
+    code = (
+        "import sys; from gemrender.colorimetry import white_xyz; white_xyz('d65'); import colour; "
+        "print('matplotlib' in sys.modules, colour.plotting.plot_single_sd.__name__); "
+        "from colour.plotting import plot_multi_sds as two; print('matplotlib' in sys.modules, two.__name__)"
+    )
+    done = run_python("-W", "ignore", "-c", code)
+    assert done.stdout.splitlines() == ["False plot_single_sd", "True plot_multi_sds"], done.stderr

@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import tracemalloc
 
-import colour
 import numpy as np
 import pytest
 from refusals import refused
 
-from gemrender.colorimetry import adapt, colour_matching, luminance_weights, white_xyz, xyz_to_linear_srgb
+from gemrender.colorimetry import (
+    adapt,
+    colour_matching,
+    colour_science,
+    luminance_weights,
+    white_xyz,
+    xyz_to_linear_srgb,
+)
 from gemrender.render.develop import (
     CURVES,
     MID_GREY,
@@ -20,6 +26,7 @@ from gemrender.render.develop import (
     fit_gamut,
 )
 
+colour = colour_science()
 D65_XYZ = (0.9505, 1.0, 1.0891)
 
 

@@ -7,6 +7,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 from displays_help import boxes, overlaps, texts
+from thorough import chosen
 
 from gemrender.cuts.families import families
 from gemrender.cuts.families.family import Family
@@ -81,15 +82,17 @@ def test_names_are_told_once_and_stand_in_a_view(kind):
     assert {mark.view for mark in marks} <= VIEWS.keys()
 
 
-@pytest.mark.parametrize(
-    ("name", "changes"),
-    [
-        # A round brilliant without a culet has the drawing of the paper's proportions.
-        *((name, {"culet": 2.0} if name == "round brilliant" else {}) for name in FAMILIES),
-        ("oval", {"length_to_width": 1.0, "crown_height": 10.0, "girdle_thickness": 2.5}),
-        ("marquise", {"length_to_width": 3.0, "culet": 2.0, "mains": 4}),
-    ],
-)
+DRAWN = [
+    # A round brilliant without a culet has the drawing of the paper's proportions.
+    *((name, {"culet": 2.0} if name == "round brilliant" else {}) for name in FAMILIES),
+    ("oval", {"length_to_width": 1.0, "crown_height": 10.0, "girdle_thickness": 2.5}),
+    ("marquise", {"length_to_width": 3.0, "culet": 2.0, "mains": 4}),
+]
+#: One that is round, one of steps, one of no mirror plane across, and what is not a family's default.
+OF_KINDS = [case for case in DRAWN if case[0] in ("round brilliant", "emerald", "pear")] + DRAWN[-2:]
+
+
+@pytest.mark.parametrize(("name", "changes"), chosen(DRAWN, OF_KINDS))
 def test_the_drawing_has_them_all_and_no_text_lies_on_another(name, changes):
     cut = FAMILIES[name](**changes)
     figure = draw(cut.stone(name="x"), "outline")

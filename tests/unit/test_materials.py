@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 
-import colour
 import numpy as np
 import pytest
 from glasses import ABSORBED, BY_FORMULA, BY_TABLE, COEFFICIENTS, PAGES, PER_MM, RANGE, edited, published
@@ -12,12 +11,14 @@ from physics_tolerances import FOUR_DECIMALS, ROUNDING
 
 from gemrender import InputError, load_stone
 from gemrender.cli.program import run
+from gemrender.colorimetry import colour_science
 from gemrender.optics import Material, carat_to_girdle_diameter_mm, load_material, material_names
 from gemrender.optics.absorption import DIAMOND_GRADES
 from gemrender.optics.dispersion import FORMULAE, Formula
 from gemrender.optics.material import INDEX_RANGE, VISIBLE_NM
 from gemrender.optics.tabulated import Table
 
+colour = colour_science()
 GRADES = [f"diamond {grade}" for grade in DIAMOND_GRADES]
 CRYSTAL_OF = {
     **{name: name for name in PAGES},

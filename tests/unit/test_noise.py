@@ -6,6 +6,7 @@ import sys
 
 import numpy as np
 import pytest
+from thorough import chosen
 
 from gemrender.cuts import load_stone
 from gemrender.errors import GemrenderError, GemrenderWarning
@@ -63,7 +64,7 @@ def corrupt(monkeypatch, value, lanes):
     monkeypatch.setattr(integrator, "sample_with_aovs", corrupted)
 
 
-@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, -1.0])
+@pytest.mark.parametrize("value", chosen([np.nan, np.inf, -np.inf, -1.0], [np.inf, -1.0]))
 def test_a_sample_that_is_no_light_is_left_out_and_counted(scene, monkeypatch, value):
     whole, passes = Passes(scene), Passes(scene)
     for one in (whole, passes):

@@ -7,7 +7,6 @@ import json
 import os
 from pathlib import Path
 
-import colour
 import numpy as np
 import OpenEXR
 import pytest
@@ -16,6 +15,7 @@ from matplotlib.image import imread
 from observations import STONE, observation
 
 import gemrender
+from gemrender.colorimetry import colour_science
 from gemrender.cuts import stone_from_vertices
 from gemrender.cuts.files import LONGEST_NAME
 from gemrender.errors import InputError
@@ -23,6 +23,8 @@ from gemrender.observation import MAP_CHANNELS, MAP_TYPES, PATH_CODE_MASK, RaySt
 from gemrender.report import figures
 from gemrender.report.files import file_stems, prepare_folder, write_exr, write_observation
 from gemrender.scoring import BAND_EDGES, score_observation
+
+colour = colour_science()
 
 #: Least difference of two colours of the picture (CIEDE2000), for eyes with and without colour blindness:
 #: about ten just noticeable differences, told apart without looking twice.
