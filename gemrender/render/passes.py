@@ -44,6 +44,8 @@ class Passes:
     caustics : bool
         Whether light that stones throw on diffuse surfaces is traced from the lights (see
         `gemrender.plugins.caustics.Caustics`), where that can be; else it is found from the eye, by chance.
+    pass_samples : int, optional
+        About the samples of a pass, of all pixels; by default as many as are rendered fastest.
 
     Attributes
     ----------
@@ -67,8 +69,10 @@ class Passes:
         bins_nm: Any = None,
         foreground: bool = False,
         caustics: bool = True,
+        pass_samples: int | None = None,
     ) -> None:
         self.scene, self.seed, self.filter_radius = scene, seed, filter_radius
+        self._pass_samples = pass_samples
         self.sensor = scene.sensors()[0]
         scene.integrator().check(scene, self.sensor)
         self.width, self.height = (int(n) for n in self.sensor.film().size())
@@ -109,7 +113,7 @@ class Passes:
 
     def samples_of_a_pass(self) -> int:
         """Return the samples a pixel that keep a pass small in memory."""
-        most = max(1, PASS_SAMPLES // min(self.width * self.height, _TILE_PIXELS))
+        most = max(1, (self._pass_samples or PASS_SAMPLES) // min(self.width * self.height, _TILE_PIXELS))
         return int(1 << (most.bit_length() - 1))  # powers of two are the most even
 
     def add(self, spp: int) -> None:

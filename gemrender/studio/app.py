@@ -12,7 +12,7 @@ import contextlib
 import ipaddress
 import json
 import secrets
-from collections.abc import Awaitable, Callable, Iterable, Mapping, MutableMapping
+from collections.abc import Awaitable, Callable, Iterable, MutableMapping
 from importlib import resources
 from typing import Any
 
@@ -22,10 +22,9 @@ from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from gemrender.errors import GemrenderError, InputError
 from gemrender.studio.desk import Desk
-from gemrender.studio.live import Live
-from gemrender.studio.protocol import MOST_MESSAGE, packed, unpacked
+from gemrender.studio.protocol import MOST_MESSAGE
+from gemrender.studio.session import Session
 
 __all__ = ["make_app"]
 
@@ -206,7 +205,7 @@ async def _serve(socket: WebSocket, desk: Desk) -> None:
         while True:
             await socket.send_bytes(await waiting.get())
 
-    work, writer = Live(desk.shelf, send), asyncio.create_task(write())
+    session, writer = Session(desk, send), asyncio.create_task(write())
     try:
         while True:
             event = await socket.receive()
@@ -216,25 +215,9 @@ async def _serve(socket: WebSocket, desk: Desk) -> None:
             if len(message) > MOST_MESSAGE:
                 await socket.close(1009)
                 return
-            await _answer(message, desk, work, send)
+            session.take(message)
     except WebSocketDisconnect:
         return
     finally:
         writer.cancel()
-        work.close()
-
-
-async def _answer(message: str | bytes, desk: Desk, work: Live, send: Callable[[bytes], None]) -> None:
-    header: Mapping[str, Any] = {}
-    try:
-        header, data = unpacked(message)
-        if header["type"] == "state":
-            work.want(header)
-            return
-        send(await asyncio.to_thread(desk.answer, header, data))
-    except GemrenderError as error:
-        why = " ".join(str(error).split())
-        send(packed({"type": "failed", "of": header.get("type"), "why": why}))
-    except (RecursionError, TypeError, ValueError, KeyError) as error:
-        refused = InputError(f"cannot be: {type(error).__name__}", key=str(header.get("type"))[:40])
-        send(packed({"type": "failed", "of": header.get("type"), "why": str(refused)}))
+        session.close()

@@ -14,6 +14,7 @@ from gemrender.measures import measures
 from gemrender.optics.materials import material_names
 from gemrender.report.measure_maps import ZONE_COLOURS
 from gemrender.report.page import common_data
+from gemrender.scene.setup import bundled_setups
 from gemrender.scoring import BAND_EDGES
 from gemrender.stone import Stone
 from gemrender.studio.cuttings import family_cutting, opened, stone_of
@@ -71,6 +72,7 @@ class Desk:
             "bundled": bundled_stones(),
             "materials": material_names(),
             "kinds": SAVED_KINDS,
+            "setups": bundled_setups(),
             "measures": [
                 {
                     "name": of.name,
