@@ -54,10 +54,16 @@ class Desk:
             self._count += 1
             key = f"stone {self._count}"
             self.shelf[key] = stone
-            dropped = list(self.shelf)[len(self._first) :]
+            dropped = [of for of in self.shelf if of not in self._first]
             for old in dropped[: max(len(dropped) - _MOST_DROPPED, 0)]:
                 del self.shelf[old]
         return key
+
+    def put_first(self, stone: Stone) -> bytes:
+        """Take over a stone as the one that pages begin with; return what tells open pages to show it."""
+        key = self._put(stone)
+        self._first[:1] = [key]
+        return _opened([opened(stone, key).to_dict()])
 
     def told(self) -> dict[str, Any]:
         """Return what a page is told when it is opened, for JSON."""

@@ -47,7 +47,9 @@ const isCurrent = (message) => message.number === store.state?.number;
 
 const wire = new Wire({
     lost() {
-        byId('lost').textContent = 'The studio’s server does not answer. What is shown stays, and goes on as soon as it is back.';
+        byId('lost').textContent = data.isEmbedded
+            ? 'The notebook’s kernel does not answer. What is shown stays; to go on, run the cell again.'
+            : 'The studio’s server does not answer. What is shown stays, and goes on as soon as it is back.';
         byId('lost').hidden = false;
         document.body.classList.add('lost');
     },
@@ -57,6 +59,9 @@ const wire = new Wire({
         if (store.state) wire.want(store.state);
         else begin();
         if (wasLost) announce('The server is back.');
+    },
+    theme(isDark) {
+        setTheme(isDark);
     },
     frame(message) {
         frame = message;
@@ -418,12 +423,13 @@ async function save(kind) {
 
 // ---- The page ----
 
+function setTheme(isDark) {
+    document.documentElement.dataset.theme = isDark ? 'dark' : 'light';
+    byId('theme').setAttribute('aria-pressed', String(isDark));
+}
+
 function listenToPage() {
     const root = document.documentElement;
-    const setTheme = (isDark) => {
-        root.dataset.theme = isDark ? 'dark' : 'light';
-        byId('theme').setAttribute('aria-pressed', String(isDark));
-    };
     setTheme(root.dataset.theme === 'dark');
     matchMedia('(prefers-color-scheme: dark)').addEventListener('change', (event) => setTheme(event.matches));
     byId('theme').addEventListener('click', () => setTheme(root.dataset.theme !== 'dark'));
