@@ -2,9 +2,9 @@
 
     python scripts/studio_notebook.py studio-notebook.png           light; --dark, --width 390 ...
 
-A notebook shows `gemrender.Studio("inoue-3")`; a slider is dragged, the map changes, and the kernel knows the stone
-that is shown. It prints what the page's console has as an error, and ends with 1 where something is not as it should
-be. Needs jupyterlab, anywidget, playwright and a Chromium.
+A notebook shows `gemrender.Studio("inoue-3")`; a slider is dragged, the map changes, and the kernel knows the
+stone that is shown. It prints what the page's console has as an error, and ends with 1 where something is not
+as it should be. Needs jupyterlab, anywidget, playwright and a Chromium.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def laboratory(folder: Path) -> Iterator[str]:
     """Start a JupyterLab in a folder; its address."""
     command = [sys.executable, "-m", "jupyterlab", "--no-browser", "--port=0", "--allow-root",
                f"--ServerApp.root_dir={folder}", "--LabApp.expose_app_in_browser=True",
-               "--LabApp.news_url=None", "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate"]  # fmt: skip
+               "--LabApp.news_url=None"]  # fmt: skip
     server = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     try:
         assert server.stderr is not None
@@ -55,7 +55,7 @@ def laboratory(folder: Path) -> Iterator[str]:
 
 
 def notebook() -> str:
-    """The notebook, as its file has it."""
+    """Return the notebook, as its file has it."""
     cells = [
         {
             "cell_type": "code", "id": f"cell{i}", "source": source, "metadata": {}, "outputs": [],
@@ -128,9 +128,7 @@ def use(address: str, picture: Path, width: int, height: int, is_dark: bool) -> 
         run(page, 2)
         told = page.locator(".jp-CodeCell").nth(1).locator(".jp-OutputArea-output pre").inner_text().split()
         average = frame.locator(".headline .average").inner_text()
-        print(
-            f"the slider has table {value}, the kernel {told[0]}; Average {average[:5]}, in the kernel {told[1]}"
-        )
+        print(f"table {value} on the slider, {told[0]} in the kernel; Average {average[:5]}, {told[1]}")
         if abs(float(told[0]) - value) > 1e-9:
             wrong.append("the kernel's stone is not the one that is shown")
         if abs(float(told[1]) - float(average[:5])) > 0.2:

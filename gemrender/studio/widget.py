@@ -43,7 +43,7 @@ if _missing is not None:  # and a line says so where it is asked for, not where 
 else:
     from gemrender.studio.assets import WIDGET, files
 
-    class Studio(anywidget.AnyWidget):  # type: ignore[no-redef]
+    class Studio(anywidget.AnyWidget):  # type: ignore[misc, no-redef]
         """A stone in a notebook that answers while its sliders are dragged: the page of `gemrender studio`.
 
         ::
@@ -93,7 +93,7 @@ else:
             self.observe(self._given, "stone")
             self.on_msg(self._hear)
 
-        @traitlets.validate("stone")
+        @traitlets.validate("stone")  # type: ignore[untyped-decorator]
         def _validate_stone(self, proposal: Any) -> Stone:
             return _checked(proposal.value)
 
@@ -131,7 +131,7 @@ else:
 
             with self._lock:
                 known = list(self._sessions)
-                old = [self._sessions.pop(name) for name in known[: len(known) + 1 - _MOST_VIEWS]]
+                old = [self._sessions.pop(name) for name in known[: max(len(known) + 1 - _MOST_VIEWS, 0)]]
                 self._sessions[view] = Session(self._desk, send, self._follow)
             for session in old:
                 session.close()
