@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from gemrender.scene.setup import Setup, bundled_setups, load_setup
     from gemrender.stereo import StereoScore, score_stereo
     from gemrender.stone import Stone
+    from gemrender.studio.widget import Studio
     from gemrender.sweep.improve import improve, pareto_front
     from gemrender.sweep.symmetry import SymmetryStudy, study_symmetry
     from gemrender.sweep.tilt import TiltStudy, study_tilt
@@ -75,6 +76,7 @@ __all__ = [
     "Setup",
     "StereoScore",
     "Stone",
+    "Studio",
     "SymmetryStudy",
     "TiltStudy",
     "ToleranceStudy",
@@ -116,6 +118,7 @@ _ON_DEMAND = {
     "View": "gemrender.observation",
     "RoundBrilliant": "gemrender.cuts",
     "Stone": "gemrender.stone",
+    "Studio": "gemrender.studio.widget",
     "bundled_stones": "gemrender.cuts",
     "load_stone": "gemrender.cuts",
     "load_stones": "gemrender.cuts",

@@ -41,6 +41,8 @@ class Passes:
     caustics : bool
         Whether light that stones throw on diffuse surfaces is traced from the lights (see
         `gemrender.plugins.caustics.Caustics`), where that can be; else it is found from the eye, by chance.
+    pass_samples : int, optional
+        About the samples of a pass, of all pixels; by default as many as are rendered fastest.
 
     Attributes
     ----------
@@ -64,12 +66,13 @@ class Passes:
         bins_nm: Any = None,
         foreground: bool = False,
         caustics: bool = True,
+        pass_samples: int | None = None,
     ) -> None:
         self.scene, self.seed, self.filter_radius = scene, seed, filter_radius
         self.sensor = scene.sensors()[0]
         scene.integrator().check(scene, self.sensor)
-        self._at_once = lanes_at_once()
-        self._tile_pixels = max(1, self._at_once // _LEAST_SPP)
+        self._pass_samples = pass_samples or lanes_at_once()
+        self._tile_pixels = max(1, lanes_at_once() // _LEAST_SPP)
         self.width, self.height = (int(n) for n in self.sensor.film().size())
         self.bins_nm = None if bins_nm is None else np.asarray(bins_nm, dtype=np.float64)
         n_bins = 0 if self.bins_nm is None else len(self.bins_nm) - 1
@@ -108,7 +111,7 @@ class Passes:
 
     def samples_of_a_pass(self) -> int:
         """Return the samples a pixel that keep a pass small in memory."""
-        most = max(1, self._at_once // min(self.width * self.height, self._tile_pixels))
+        most = max(1, self._pass_samples // min(self.width * self.height, self._tile_pixels))
         return int(1 << (most.bit_length() - 1))  # powers of two are the most even
 
     def add(self, spp: int) -> None:

@@ -129,6 +129,7 @@ def render(
     share: float = 0.0,
     transparent: bool = False,
     variant: str = DEFAULT_VARIANT,
+    pass_samples: int | None = None,
     progress: Callable[[float], None] | None = None,
     on_pass: Callable[[Picture, float], object] | None = None,
 ) -> Picture:
@@ -165,6 +166,8 @@ def render(
         noise are those with it.
     variant : str
         Spectral Mitsuba variant; set, and left set.
+    pass_samples : int, optional
+        As of `Passes`: fewer let who is shown each pass stop sooner.
     progress : callable, optional
         Called with the share done, 0 to 1.
     on_pass : callable, optional
@@ -207,6 +210,7 @@ def render(
         filter_radius=FILTER_RADIUS,
         bins_nm=bins_nm,
         foreground=transparent,
+        pass_samples=pass_samples,
     )
 
     def so_far(stopped: str) -> Picture:

@@ -88,8 +88,9 @@ class Shot:
         *,
         progress: Callable[[float], None] | None = None,
         on_pass: Callable[[Picture, float], object] | None = None,
+        pass_samples: int | None = None,
     ) -> Picture:
-        """Render a picture; as for `gemrender.render`."""
+        """Render a picture; as for `gemrender.render`, and `pass_samples` as of `photoreal.render`."""
         look: dict[str, Any] = {"ev": self.ev, "curve": self.curve}
         preview = on_pass and (lambda picture, share: on_pass(replace(picture, **look), share))
         picture = photoreal.render(
@@ -99,6 +100,7 @@ class Shot:
             bins_nm=self.bins_nm,
             progress=progress,
             on_pass=preview,
+            pass_samples=pass_samples,
             **self._options(),
         )
         if self.denoise:

@@ -10,10 +10,8 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import ipaddress
-import json
 import secrets
-from collections.abc import Awaitable, Callable, Iterable, Mapping, MutableMapping
-from importlib import resources
+from collections.abc import Awaitable, Callable, Iterable, MutableMapping
 from typing import Any
 
 from starlette.applications import Starlette
@@ -22,10 +20,10 @@ from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from gemrender.errors import GemrenderError, InputError
+from gemrender.studio.assets import TYPES, WIDGET, files, page
 from gemrender.studio.desk import Desk
-from gemrender.studio.live import Live
-from gemrender.studio.protocol import MOST_MESSAGE, packed, unpacked
+from gemrender.studio.protocol import MOST_MESSAGE
+from gemrender.studio.session import Session
 
 __all__ = ["make_app"]
 
@@ -34,15 +32,6 @@ Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
 Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
 App = Callable[[Scope, Receive, Send], Awaitable[None]]
 
-#: The page's own files, and those that it shares with the report.
-_OWN = resources.files("gemrender.studio").joinpath("page")
-_SHARED = resources.files("gemrender.report").joinpath("assets")
-SHARED = ("tracer.js", "dom.js", "light.js", "ray.js", "stone.js", "stage.js", "three.min.js", "page.css")
-_TYPES = {
-    "js": "text/javascript; charset=utf-8",
-    "css": "text/css; charset=utf-8",
-    "html": "text/html; charset=utf-8",
-}
 HEADERS = {
     "content-security-policy": (
         "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
@@ -72,43 +61,29 @@ def make_app(desk: Desk, token: str, port: int, host: str = "127.0.0.1") -> App:
     host : str
         Address that it listens on.
     """
-    files = _files()
+    served = {name: of for name, of in files().items() if not name.endswith(".html") and name != WIDGET}
 
     async def file(request: Request) -> Response:
         name = request.path_params["name"]
-        if name not in files or name.endswith(".html"):  # a template, which `page` fills
+        if name not in served:
             return PlainTextResponse("no such file", 404)
-        kind, data = files[name]
+        kind, data = served[name]
         return Response(data, media_type=kind)
 
-    async def page(request: Request) -> Response:
-        # What the page is told at once, as data that no HTML parser takes for anything else.
-        told = json.dumps(desk.told(), separators=(",", ":"), allow_nan=False)
-        for sign in "&<>":
-            told = told.replace(sign, f"\\u{ord(sign):04x}")
-        return Response(files["index.html"][1].replace(b"{{data}}", told.encode()), media_type=_TYPES["html"])
+    async def begin(request: Request) -> Response:
+        return Response(page(desk.told()), media_type=TYPES["html"])
 
     async def live(socket: WebSocket) -> None:
         await _serve(socket, desk)
 
     app = Starlette(
         routes=[
-            Route("/{token}/", page),
+            Route("/{token}/", begin),
             Route("/{token}/assets/{name}", file),
             WebSocketRoute("/{token}/live", live),
         ]
     )
     return _Guard(app, token, _hosts(host, port), is_open=not _is_loopback(host), port=port)
-
-
-def _files() -> dict[str, tuple[str, bytes]]:
-    """Return type and content of all files of the page, by name."""
-    found: dict[str, tuple[str, bytes]] = {}
-    for file in [*(_SHARED.joinpath(name) for name in SHARED), *_OWN.iterdir()]:
-        ending = file.name.rpartition(".")[2]
-        if ending in _TYPES:
-            found[file.name] = (_TYPES[ending], file.read_bytes())
-    return found
 
 
 # ---- Who may ask ---------------------------------------------------------------------------------------
@@ -206,7 +181,7 @@ async def _serve(socket: WebSocket, desk: Desk) -> None:
         while True:
             await socket.send_bytes(await waiting.get())
 
-    work, writer = Live(desk.shelf, send), asyncio.create_task(write())
+    session, writer = Session(desk, send), asyncio.create_task(write())
     try:
         while True:
             event = await socket.receive()
@@ -216,25 +191,9 @@ async def _serve(socket: WebSocket, desk: Desk) -> None:
             if len(message) > MOST_MESSAGE:
                 await socket.close(1009)
                 return
-            await _answer(message, desk, work, send)
+            session.take(message)
     except WebSocketDisconnect:
         return
     finally:
         writer.cancel()
-        work.close()
-
-
-async def _answer(message: str | bytes, desk: Desk, work: Live, send: Callable[[bytes], None]) -> None:
-    header: Mapping[str, Any] = {}
-    try:
-        header, data = unpacked(message)
-        if header["type"] == "state":
-            work.want(header)
-            return
-        send(await asyncio.to_thread(desk.answer, header, data))
-    except GemrenderError as error:
-        why = " ".join(str(error).split())
-        send(packed({"type": "failed", "of": header.get("type"), "why": why}))
-    except (RecursionError, TypeError, ValueError, KeyError) as error:
-        refused = InputError(f"cannot be: {type(error).__name__}", key=str(header.get("type"))[:40])
-        send(packed({"type": "failed", "of": header.get("type"), "why": str(refused)}))
+        session.close()

@@ -14,6 +14,7 @@ from gemrender.measures import measures
 from gemrender.optics.materials import material_names
 from gemrender.report.measure_maps import ZONE_COLOURS
 from gemrender.report.page import common_data
+from gemrender.scene.setup import bundled_setups
 from gemrender.scoring import BAND_EDGES
 from gemrender.stone import Stone
 from gemrender.studio.cuttings import family_cutting, opened, stone_of
@@ -53,10 +54,16 @@ class Desk:
             self._count += 1
             key = f"stone {self._count}"
             self.shelf[key] = stone
-            dropped = list(self.shelf)[len(self._first) :]
+            dropped = [of for of in self.shelf if of not in self._first]
             for old in dropped[: max(len(dropped) - _MOST_DROPPED, 0)]:
                 del self.shelf[old]
         return key
+
+    def put_first(self, stone: Stone) -> bytes:
+        """Take over a stone as the one that pages begin with; return what tells open pages to show it."""
+        key = self._put(stone)
+        self._first[:1] = [key]
+        return _opened([opened(stone, key).to_dict()])
 
     def told(self) -> dict[str, Any]:
         """Return what a page is told when it is opened, for JSON."""
@@ -71,6 +78,7 @@ class Desk:
             "bundled": bundled_stones(),
             "materials": material_names(),
             "kinds": SAVED_KINDS,
+            "setups": bundled_setups(),
             "measures": [
                 {
                     "name": of.name,

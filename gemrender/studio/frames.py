@@ -14,12 +14,13 @@ from gemrender.beam.facets import FacetStatus, VirtualFacets
 from gemrender.beam.measure import measure_facets
 from gemrender.engines import check_head
 from gemrender.errors import InputError
-from gemrender.observation import Measurement, MeasureValues, Model, View
+from gemrender.observation import Measurement, MeasureValues, View
 from gemrender.optics.fresnel import critical_angle_deg
 from gemrender.report.dimensions import dimensions, length_unit
 from gemrender.report.page import traced_solid
 from gemrender.report.tables import band_name, model_text
-from gemrender.scoring import score_measurement
+from gemrender.scene.setup import bundled_setups
+from gemrender.scoring import Score, score_measurement
 from gemrender.stone import Stone, tessellate
 from gemrender.stone.facets import CROWN, GIRDLE, PAVILION
 from gemrender.studio.cuttings import stone_of
@@ -64,6 +65,8 @@ class Wanted:
         Half the angle at which the viewer's head is seen [deg].
     measures : tuple of str
         Further measures, by name.
+    picture : str or None
+        Name of the bundled set-up that a picture is rendered in; None for no picture.
     """
 
     number: int
@@ -75,6 +78,7 @@ class Wanted:
     azimuth: float = 0.0
     head: float = 10.0
     measures: tuple[str, ...] = ()
+    picture: str | None = None
 
     @classmethod
     def of(cls, told: Mapping[str, Any]) -> Wanted:
@@ -111,6 +115,7 @@ class Wanted:
             azimuth=numbers["azimuth"],
             head=check_head(numbers["head"]),
             measures=tuple(measures[:20]),
+            picture=_setup_of(told.get("picture")),
         )
 
     def stone(self, shelf: Mapping[str, Stone]) -> Stone:
@@ -120,6 +125,14 @@ class Wanted:
     def view(self, stone: Stone) -> View:
         """Return the view of the stone."""
         return View.of(stone, 1, tilt_deg=self.tilt, tilt_azimuth_deg=self.azimuth)
+
+
+def _setup_of(picture: object) -> str | None:
+    """Return the set-up of a picture that is wanted: one that comes with gemrender, and never a file."""
+    name = picture.get("setup") if isinstance(picture, Mapping) else None
+    if picture is not None and name not in bundled_setups():
+        raise InputError("must be in a bundled set-up", key="picture", value=name)
+    return name
 
 
 def _one_line(name: object) -> str:
@@ -143,14 +156,15 @@ def traced(stone: Stone, view: View, effort: Effort = MOVING) -> tuple[Measureme
 
 def frame(
     wanted: Wanted, stone: Stone, effort: Effort = MOVING
-) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    """Return what a page shows of a stone, as a message's header and arrays.
+) -> tuple[dict[str, Any], dict[str, np.ndarray], Score]:
+    """Return what a page shows of a stone, as a message's header and arrays, and its score.
 
     Errors as of `traced`.
     """
     start = time.perf_counter()
     view = wanted.view(stone)
     measured, facets = traced(stone, view, effort)
+    told = score_measurement(measured, stone, view, facets.model)
     solid, mesh = traced_solid(stone), tessellate(stone, _PIECES if effort is RESTING else _FEW_PIECES)
     last = len(stone.facets) - 1
     header: dict[str, Any] = {
@@ -161,7 +175,7 @@ def frame(
         "view": {"basis": view.basis().tolist(), "tilt": wanted.tilt, "azimuth": wanted.azimuth},
         "halfWidth": view.half_width,
         "images": images_of(facets),
-        "score": _score(measured, stone, view, facets.model),
+        "score": _score(told, stone),
         "model": {
             "index": facets.model.index,
             "fresnel": facets.model.fresnel,
@@ -185,7 +199,7 @@ def frame(
         "faceFacet": mesh.face_facet.astype(np.uint16),
         **_polygons(facets),
     }
-    return header, arrays
+    return header, arrays, told
 
 
 def _polygons(facets: VirtualFacets) -> dict[str, np.ndarray]:
@@ -228,8 +242,7 @@ def images_of(facets: VirtualFacets) -> list[list[float]]:
     return out
 
 
-def _score(measured: Measurement, stone: Stone, view: View, model: Model) -> dict[str, Any]:
-    told = score_measurement(measured, stone, view, model)
+def _score(told: Score, stone: Stone) -> dict[str, Any]:
     assert told.facets is not None
     return {
         "average": told.average,

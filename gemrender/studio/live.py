@@ -1,7 +1,7 @@
-"""What is worked at for one page: the newest state it wants, and, while that stays, studies of it.
+"""What is worked at for one page: the newest state it wants, and what is found out of it while it stays.
 
-Two threads: one makes frames, the other studies; what the page does not want any more is dropped, before it
-is begun or while it is worked at.
+Two threads: one makes frames, the other studies; a process renders (`pictures`). What the page does not want
+any more is dropped, before it is begun or while it is worked at.
 """
 
 from __future__ import annotations
@@ -14,12 +14,14 @@ from typing import Any
 
 from gemrender.beam import prepare
 from gemrender.errors import GemrenderError, InputError
+from gemrender.scoring import Score
 from gemrender.stone import Stone
 from gemrender.studio.frames import MOVING, RESTING, Wanted, frame
+from gemrender.studio.pictures import Pictures
 from gemrender.studio.protocol import packed
 from gemrender.studio.studies import Outdated, studies
 
-__all__ = ["Live"]
+__all__ = ["Live", "Shown"]
 
 #: Nothing has moved for so long before studies begin [s].
 _REST = 0.25
@@ -27,6 +29,7 @@ _REST = 0.25
 _log = logging.getLogger("gemrender.studio")
 
 Send = Callable[[bytes], None]
+Shown = Callable[[Wanted, Stone, Score], None]
 
 
 class Live:
@@ -38,10 +41,13 @@ class Live:
         The stones that were opened, by key; may grow.
     send : callable
         Takes a message for the page; called by other threads.
+    shown : callable, optional
+        Takes what the page shows, its stone and its score; called by other threads.
     """
 
-    def __init__(self, shelf: dict[str, Stone], send: Send) -> None:
-        self._shelf, self._send = shelf, send
+    def __init__(self, shelf: dict[str, Stone], send: Send, shown: Shown | None = None) -> None:
+        self._shelf, self._send, self._tell = shelf, send, shown
+        self._pictures = Pictures(send)
         self._changed = threading.Condition()
         self._newest: Mapping[str, Any] | None = None
         self._generation, self._done = 0, 0
@@ -57,6 +63,7 @@ class Live:
     def want(self, told: Mapping[str, Any]) -> None:
         """Take over what the page wants; what it wanted before is dropped."""
         with self._changed:
+            self._pictures.pause()
             self._newest = told
             self._generation += 1
             self._changed.notify_all()
@@ -67,6 +74,7 @@ class Live:
             self._is_closed = True
             self._generation += 1
             self._changed.notify_all()
+        self._pictures.close()
         for thread in self._threads:
             thread.join(wait)
 
@@ -96,7 +104,7 @@ class Live:
         try:
             wanted = Wanted.of(told)
             stone = wanted.stone(self._shelf)
-            self._send(packed(*frame(wanted, stone, MOVING)))
+            self._show(wanted, stone, *frame(wanted, stone, MOVING))
         except (GemrenderError, RecursionError) as error:
             self._refuse(number, error)
             return None
@@ -105,6 +113,11 @@ class Live:
             self._refuse(number, InputError("cannot be shown; the server's terminal says more"))
             return None
         return wanted, stone
+
+    def _show(self, wanted: Wanted, stone: Stone, header: Any, arrays: Any, score: Score) -> None:
+        self._send(packed(header, arrays))
+        if self._tell is not None:
+            self._tell(wanted, stone, score)
 
     def _refuse(self, number: object, error: Exception) -> None:
         self._send(packed({"type": "refused", "number": number, "why": " ".join(str(error).split())}))
@@ -117,6 +130,7 @@ class Live:
             studied, wanted, stone = shown
             check = partial(self._check, studied)
             try:
+                self._picture(studied, wanted, stone)
                 self._settle(check, wanted, stone)
                 for message in studies(wanted, stone, self._shelf, check):
                     check()
@@ -137,11 +151,16 @@ class Live:
                     return self._shown
             return None
 
+    def _picture(self, studied: int, wanted: Wanted, stone: Stone) -> None:
+        with self._changed:  # or what moves meanwhile would have paused it before
+            self._check(studied)
+            self._pictures.rest(wanted, stone)
+
     def _settle(self, check: Callable[[], None], wanted: Wanted, stone: Stone) -> None:
         """Send the frame again with the bound that scores have at rest."""
-        header, arrays = frame(wanted, stone, RESTING)
+        made = frame(wanted, stone, RESTING)
         check()
-        self._send(packed(header, arrays))
+        self._show(wanted, stone, *made)
 
     def _check(self, generation: int) -> None:
         if self._generation != generation:

@@ -45,7 +45,7 @@ LAYERS: list[dict[str, set[str]]] = [
     {"crosscheck": {"numpy"}, "stereo": {"numpy"}},
     {"sweep": {"numpy", "scipy", "drjit", "pymoo", *_ATLASES}},
     {"report": {"numpy", "matplotlib", "mpl_toolkits", "rich", "OpenEXR", "colour"}},
-    {"studio": {"numpy", "starlette", "uvicorn", "websockets"}},
+    {"studio": {"numpy", "starlette", "uvicorn", "websockets", "anywidget", "traitlets"}},
     {"cli": {"numpy", "typer", "rich"}},
     {"__main__": set()},
 ]

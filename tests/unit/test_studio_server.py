@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import queue
 import struct
+import threading
+import time
 
 import pytest
 
@@ -20,6 +23,8 @@ from gemrender.studio.app import HEADERS, make_app  # noqa: E402
 
 TOKEN = "the-token"
 ORIGIN = "http://127.0.0.1:8123"
+#: Long enough for a machine that has much else to do [s].
+PATIENCE = 120.0
 
 
 @pytest.fixture(scope="module")
@@ -43,11 +48,22 @@ def header_of(message):
     return json.loads(message[4 : 4 + length])
 
 
+def received(socket):
+    """The next message; what never comes fails the test, as the test client itself waits for ever."""
+    got = queue.SimpleQueue()
+    threading.Thread(target=lambda: got.put(socket.receive_bytes()), daemon=True).start()
+    return got.get(timeout=PATIENCE)
+
+
 def until(socket, *types):
     """The first message of one of these types."""
-    while (header := header_of(socket.receive_bytes()))["type"] not in types:
-        pass
-    return header
+    end, seen = time.monotonic() + PATIENCE, []
+    while time.monotonic() < end:
+        header = header_of(received(socket))
+        if header["type"] in types:
+            return header
+        seen.append(header["type"])
+    raise AssertionError(f"none of {types} among {seen}")
 
 
 def test_the_page_and_its_files_are_served_with_a_strict_policy(client):

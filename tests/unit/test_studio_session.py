@@ -147,7 +147,7 @@ def test_what_is_saved_opens_as_the_same_stone():
 @pytest.mark.parametrize(("name", "tilt"), [("inoue-3", 0.0), ("inoue-3", 12.0), ("pear-classic", 0.0)])
 def test_a_frames_polygons_and_their_images_make_the_score(name, tilt):
     wanted = Wanted.of(told(name, view={"tilt": tilt, "azimuth": 30.0}))
-    header, arrays = read(packed(*frame(wanted, wanted.stone({}), RESTING)))
+    header, arrays = read(packed(*frame(wanted, wanted.stone({}), RESTING)[:2]))
     exits = arrays["status"] == 0
     area, light = arrays["area"].astype(float), arrays["intensity"].astype(float)
     near = area[arrays["status"] == 2].sum() / area.sum() * 100
@@ -171,7 +171,7 @@ def test_a_frames_polygons_and_their_images_make_the_score(name, tilt):
 
 def test_images_of_a_part_cover_the_view_once():
     wanted = Wanted.of(told("inoue-3"))
-    header, arrays = frame(wanted, wanted.stone({}))
+    header, arrays, _ = frame(wanted, wanted.stone({}))
     assert len(header["images"]) == 16
     total = 16 * arrays["area"].sum()
     assert total == pytest.approx(np.pi, rel=1e-3)

@@ -4,8 +4,7 @@
 
 const GemCard = (() => {
     const { STATUS, dot } = GemTracer;
-    const { number, find, element } = GemDom;
-    const { boundText } = GemScores;
+    const { number, find, boundText, element, inNextFrame } = GemDom;
     const { data, choices, values, cards, traceOn, press, lights } = GemPage;
     const { codes } = data;
     const { REAR, UNSOLVED, kindOf, kindColour, kinds, pathColour } = GemLight;
@@ -27,8 +26,8 @@ const GemCard = (() => {
             this.geometry = geometryOf(stone);
             this.path = null;
             this.pixel = null;
-            this.isWaiting = false;
             this.isInSight = true;
+            this.drawSoon = inNextFrame(() => this.draw());
             const made = document.getElementById('stone').content.cloneNode(true);
             this.root = find(made, 'article');
         }
@@ -183,12 +182,7 @@ const GemCard = (() => {
 
         redraw() {
             this.isStale = true;
-            if (this.isWaiting || !this.isInSight) return;
-            this.isWaiting = true;
-            requestAnimationFrame(() => {
-                this.isWaiting = false;
-                this.draw();
-            });
+            if (this.isInSight) this.drawSoon();
         }
 
         draw() {

@@ -4,8 +4,8 @@
 
 const GemMap = (() => {
     const { STATUS, dot } = GemTracer;
-    const { number, find } = GemDom;
-    const { data, choose, lights, tip } = GemPage;
+    const { number, find, inNextFrame, tip } = GemDom;
+    const { data, choose, lights } = GemPage;
     const { codes } = data;
     const { OUTSIDE, MOST_NUMBERED, kinds, rayColour, rayWidth, lightLines, fitted, drawArrows } = GemLight;
     const { facetName } = GemRay;
@@ -31,7 +31,7 @@ const GemMap = (() => {
             const scored = (card.map.size * card.map.pitch) / 2;
             this.halfWidth = Math.max(scored, data.table.halfWidths[card.place]);
             this.litFacets = [];
-            this.isWaiting = false;
+            this.redraw = inNextFrame(() => this.draw());
             this.listen();
         }
 
@@ -125,16 +125,6 @@ const GemMap = (() => {
                 context.lineWidth = lineWidth;
                 context.stroke();
             }
-        }
-
-        /** Draw again in the next frame. */
-        redraw() {
-            if (this.isWaiting) return;
-            this.isWaiting = true;
-            requestAnimationFrame(() => {
-                this.isWaiting = false;
-                this.draw();
-            });
         }
 
         /** Bring out some virtual facets, by their numbers. */

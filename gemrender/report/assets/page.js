@@ -4,9 +4,8 @@
 // and with the other stones; above them the table of scores, beside them what the stones have in common.
 
 (() => {
-    const { number, find, element } = GemDom;
-    const { boundText } = GemScores;
-    const { data, choices, values, cards, tip, announce, traceOn, lights } = GemPage;
+    const { number, find, boundText, typeset, element, tip, announce } = GemDom;
+    const { data, choices, values, cards, traceOn, lights } = GemPage;
     const { REAR } = GemLight;
     const { Card } = GemCard;
     const { colours } = data;
@@ -117,7 +116,7 @@
                 rows.push({ cells: ['Each within', ...bounds.map((bound) => (bound === null ? '–' : `±${boundText(bound)}`))] });
             const made = element('table');
             table(made, ['', ...names], rows);
-            const note = element('p', { className: 'note' }, `${GemScores.typeset(group.definition)}. Source: ${group.source}.`);
+            const note = element('p', { className: 'note' }, `${typeset(group.definition)}. Source: ${group.source}.`);
             return element('div', {}, element('h2', {}, i === 0 ? 'Scores' : group.name), made, ...(i === 0 ? [] : [note]));
         });
         document.getElementById('comparison').append(...parts);
@@ -134,7 +133,7 @@
             values, choices, colours, show: (stone) => showStone(stone),
             point: (band) => lights.point(band === 'rear' ? REAR : band),
         });
-        new GemTilts.Tilts(find(top, '.tilt'), document.getElementById('curve'), { values, choices, tip });
+        new GemTilts.Tilts(find(top, '.tilt'), document.getElementById('curve'), { values, choices });
         new ResizeObserver(() => {
             document.documentElement.style.setProperty('--top', `${top.offsetHeight}px`);
         }).observe(top);

@@ -4,20 +4,7 @@
 // work; all data is the page's.
 
 const GemScores = (() => {
-    const { number, find, element } = GemDom;
-    /** Smallest bound that is told, as the command line does. */
-    const LEAST_BOUND = 1e-4;
-
-    /** A bound with two digits, rounded up, so that what is stated is true. */
-    function boundText(bound) {
-        const least = Math.max(bound, LEAST_BOUND);
-        const decimals = 1 - Math.floor(Math.log10(least));
-        const step = 10 ** -decimals;
-        const text = (Math.ceil((least / step) * (1 - 1e-12)) * step).toFixed(Math.max(decimals, 0));
-        return text.includes('.') ? text.replace(/\.?0+$/, '') : text;
-    }
-
-    const signed = (value, digits) => (value > 0 ? '+' : '') + number(value, digits);
+    const { number, find, signed, boundText, element, define } = GemDom;
 
     /** Values of the table, by stone and turn. */
     class Values {
@@ -70,7 +57,7 @@ const GemScores = (() => {
                 const button = element('button', { type: 'button', className: 'define' }, name);
                 button.setAttribute('aria-haspopup', 'dialog');
                 button.title = `Definition and source of ${name}`;
-                button.addEventListener('click', () => define(groups[group]));
+                button.addEventListener('click', () => defineGroup(groups[group]));
                 return element('th', { scope: 'colgroup', colSpan: length, className: 'first' }, button);
             });
             const lower = columns.map((column, i) => {
@@ -210,16 +197,7 @@ const GemScores = (() => {
         return bound === null || decimals === 0 ? [] : [' ', element('small', {}, `±${boundText(bound)}`)];
     }
 
-    /** A definition as print has it. */
-    const typeset = (text) => text[0].toUpperCase() + text.slice(1).replace(/`([^`]*)`/g, '“$1”').replaceAll(' - ', ' − ');
+    const defineGroup = ({ name, definition, source, version }) => define(name, definition, `${source}. Version ${version}`);
 
-    function define(group) {
-        const dialog = document.getElementById('definition');
-        find(dialog, 'h2').textContent = group.name;
-        find(dialog, '.words').textContent = `${typeset(group.definition)}.`;
-        find(dialog, '.source').textContent = `Source: ${group.source}. Version ${group.version}.`;
-        dialog.showModal();
-    }
-
-    return Object.freeze({ Values, ScoreTable, boundText, typeset });
+    return Object.freeze({ Values, ScoreTable });
 })();

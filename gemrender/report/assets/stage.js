@@ -5,8 +5,8 @@
 
 const GemStage = (() => {
     const { STATUS, dot } = GemTracer;
-    const { find } = GemDom;
-    const { cards, choose, announce } = GemPage;
+    const { find, announce } = GemDom;
+    const { cards, choose } = GemPage;
     const { MOST_NUMBERED, rayColour, rayWidth, lightLines, stationNames, fitted, drawArrows } = GemLight;
 
     /** A press that moves less than this is a click [CSS px]. */

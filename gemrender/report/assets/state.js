@@ -14,29 +14,6 @@ const GemPage = (() => {
     /** Time in each frame for tracing the maps of tilted views [ms]. */
     const TRACING_TIME = 12;
 
-    const tip = {
-        box: document.getElementById('tip'),
-        show(event, text) {
-            this.box.textContent = text;
-            this.box.hidden = false;
-            const { width, height } = this.box.getBoundingClientRect();
-            const left = Math.min(event.clientX + 14, document.documentElement.clientWidth - width - 6);
-            this.box.style.left = `${left}px`;
-            this.box.style.top = `${Math.max(event.clientY - height - 10, 4)}px`;
-        },
-        hide() {
-            this.box.hidden = true;
-        },
-    };
-
-    let announcing = 0;
-    function announce(text) {
-        clearTimeout(announcing); // only where the point comes to rest
-        announcing = setTimeout(() => {
-            document.getElementById('announce').textContent = text;
-        }, 350);
-    }
-
     /** Trace on at the maps of tilted views that are in sight, the coarsest first, frame by frame. */
     let isTracing = false;
     function traceOn() {
@@ -84,7 +61,7 @@ const GemPage = (() => {
     };
 
     return {
-        data, choices, values, cards, tip, announce, traceOn, choose, press, lights,
+        data, choices, values, cards, traceOn, choose, press, lights,
         scoreTable: null, // made when the page is
     };
 })();

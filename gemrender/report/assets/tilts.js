@@ -3,8 +3,7 @@
 // The tilts: the slider over them, and the curves of a value over them.
 
 const GemTilts = (() => {
-    const { number, find, element, drawing } = GemDom;
-    const { boundText } = GemScores;
+    const { number, find, boundText, element, drawing, tip } = GemDom;
 
     /** Lines of stones: so many colours, then the same ones dashed. */
     const LINES = ['#2f7ed8', '#d0661a', '#2a9660', '#b8417a', '#7d64c8', '#8c7a20'];
@@ -24,8 +23,8 @@ const GemTilts = (() => {
 
     /** The slider over the tilts, and the curve of a value over them. */
     class Tilts {
-        constructor(slider, root, { values, choices, tip }) {
-            Object.assign(this, { root, values, choices, tip });
+        constructor(slider, root, { values, choices }) {
+            Object.assign(this, { root, values, choices });
             this.slider = find(slider, 'input');
             this.output = find(slider, 'output');
             this.svg = find(root, 'svg');
@@ -178,9 +177,9 @@ const GemTilts = (() => {
             });
             this.svg.addEventListener('pointermove', (event) => {
                 if (event.buttons) this.choices.set({ turn: nearest(event) });
-                else if (event.pointerType !== 'touch') this.tip.show(event, this.words(nearest(event)));
+                else if (event.pointerType !== 'touch') tip.show(event, this.words(nearest(event)));
             });
-            this.svg.addEventListener('pointerleave', () => this.tip.hide());
+            this.svg.addEventListener('pointerleave', () => tip.hide());
         }
     }
 

@@ -1,6 +1,6 @@
 // Files: opened by dropping them on the page or by the button, and saved.
 
-import { byId, element } from './shared.js';
+import { byId, data, element } from './shared.js';
 
 const KINDS = {
     toml: 'Stone file (.toml)', asc: 'GemCad design (.asc)', gem: 'GemCad design (.gem)', gcs: 'Gem Cut Studio (.gcs)',
@@ -51,6 +51,7 @@ export function listenForFiles(take, refuse) {
 export function fillSaveMenu(save) {
     const list = byId('save').querySelector('.list');
     for (const [kind, words] of Object.entries(KINDS)) {
+        if (kind === 'link' && data.isEmbedded) continue; // a notebook's own address is no link to it
         const button = element('button', { type: 'button' }, words);
         button.dataset.kind = kind;
         button.addEventListener('click', () => {

@@ -7,6 +7,7 @@ import { Curve } from './curve.js';
 import { FacetMap } from './facetmap.js';
 import { download, fillSaveMenu, listenForFiles, listenToMenus } from './files.js';
 import { MODES } from './modes.js';
+import { Picture } from './picture.js';
 import { Profile } from './profile.js';
 import { Scores } from './scores.js';
 import { Sliders } from './sliders.js';
@@ -35,6 +36,8 @@ const around = new Around(find(document, '.around'), (crown, pavilion) => {
     const values = { ...store.state.cut.values, crown_angle: crown, pavilion_angle: pavilion };
     store.set({ cut: { ...store.state.cut, values } }, `Crown ${number(crown, 2)}°, pavilion ${number(pavilion, 2)}°`);
 });
+const picture = new Picture(find(document, '.picture'), (wanted) =>
+    store.set({ picture: wanted }, wanted ? `Picture in the set-up ${wanted.setup}` : 'No picture'));
 let frame = null;
 let held = null;
 let pending = null; // words of what is being opened
@@ -44,7 +47,9 @@ const isCurrent = (message) => message.number === store.state?.number;
 
 const wire = new Wire({
     lost() {
-        byId('lost').textContent = 'The studio’s server does not answer. What is shown stays, and goes on as soon as it is back.';
+        byId('lost').textContent = data.isEmbedded
+            ? 'The notebook’s kernel does not answer. What is shown stays; to go on, run the cell again.'
+            : 'The studio’s server does not answer. What is shown stays, and goes on as soon as it is back.';
         byId('lost').hidden = false;
         document.body.classList.add('lost');
     },
@@ -54,6 +59,9 @@ const wire = new Wire({
         if (store.state) wire.want(store.state);
         else begin();
         if (wasLost) announce('The server is back.');
+    },
+    theme(isDark) {
+        setTheme(isDark);
     },
     frame(message) {
         frame = message;
@@ -93,6 +101,12 @@ const wire = new Wire({
     around(message) {
         if (isCurrent(message)) around.add(message);
     },
+    picture(message) {
+        if (isCurrent(message)) picture.add(message);
+    },
+    unpictured(message) {
+        if (isCurrent(message)) picture.refuse(message.why);
+    },
     rested() {
         document.documentElement.dataset.rested = String(store.state.number);
     },
@@ -113,6 +127,7 @@ function changed(state, isOther) {
     scores.fade();
     curve.clear();
     around.clear();
+    picture.show(state.picture, state.name);
     if (document.activeElement !== byId('name')) byId('name').value = state.name;
     byId('material').value = materialKey(state.material);
     byId('meets').hidden = !state.cut.design;
@@ -168,7 +183,7 @@ function drawn(of) {
 const begun = (opened) => ({
     cut: opened.cut, name: opened.name, material: opened.material, size_mm: opened.size_mm,
     view: { tilt: 0, azimuth: 0 }, head: store.state?.head ?? 10, measures: store.state?.measures ?? [],
-    mode: store.state?.mode ?? 'intensity',
+    mode: store.state?.mode ?? 'intensity', picture: store.state?.picture ?? null,
 });
 
 /** The state of a link, as far as the page itself relies on it; the server checks the rest. */
@@ -179,6 +194,7 @@ function checked(state, plain) {
     if (!isNumber(out.view?.tilt) || !isNumber(out.view?.azimuth)) out.view = plain.view;
     if (!isNumber(out.head)) out.head = plain.head;
     if (!Array.isArray(out.measures)) out.measures = [];
+    if (!data.setups.includes(out.picture?.setup)) out.picture = null;
     out.name = String(out.name).slice(0, 100);
     return out;
 }
@@ -407,12 +423,13 @@ async function save(kind) {
 
 // ---- The page ----
 
+function setTheme(isDark) {
+    document.documentElement.dataset.theme = isDark ? 'dark' : 'light';
+    byId('theme').setAttribute('aria-pressed', String(isDark));
+}
+
 function listenToPage() {
     const root = document.documentElement;
-    const setTheme = (isDark) => {
-        root.dataset.theme = isDark ? 'dark' : 'light';
-        byId('theme').setAttribute('aria-pressed', String(isDark));
-    };
     setTheme(root.dataset.theme === 'dark');
     matchMedia('(prefers-color-scheme: dark)').addEventListener('change', (event) => setTheme(event.matches));
     byId('theme').addEventListener('click', () => setTheme(root.dataset.theme !== 'dark'));

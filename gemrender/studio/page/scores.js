@@ -1,6 +1,6 @@
 // Scores with their bounds, the bands, differences from a baseline, and further measures.
 
-import { boundText, data, element, find, number, signed } from './shared.js';
+import { boundText, data, define, element, find, number, signed } from './shared.js';
 import { MODES } from './modes.js';
 
 /** A smaller share of light that is trapped is not told [%]. */
@@ -80,7 +80,7 @@ export class Scores {
             box.addEventListener('change', () => this.asked([...this.root.querySelectorAll('#measures input:checked')].map(({ value }) => value)));
             const about = element('button', { type: 'button', className: 'about' }, '?');
             about.setAttribute('aria-label', `What ${of.name} is`);
-            about.addEventListener('click', () => define(of));
+            about.addEventListener('click', () => define(of.name, of.definition, of.source));
             return element('div', { className: 'measure' }, box, element('label', { htmlFor: box.id }, of.name), about, element('dl'));
         });
         find(this.root, '#measures').append(...rows);
@@ -113,12 +113,4 @@ export class Scores {
     fade() {
         for (const row of this.root.querySelectorAll('.measure')) row.classList.add('stale');
     }
-}
-
-function define({ name, definition, source }) {
-    const dialog = document.getElementById('definition');
-    find(dialog, 'h2').textContent = name;
-    find(dialog, '.words').textContent = `${definition[0].toUpperCase()}${definition.slice(1)}.`;
-    find(dialog, '.source').textContent = `Source: ${source}.`;
-    dialog.showModal();
 }

@@ -1,0 +1,158 @@
+"""The studio's pictures: orders to the process that renders, and what comes of them."""
+
+from __future__ import annotations
+
+import io
+import queue
+import subprocess
+import sys
+import threading
+
+import pytest
+from PIL import Image
+from refusals import refused
+from test_studio_session import read, told
+
+from gemrender.studio import pictures
+from gemrender.studio.frames import Wanted
+from gemrender.studio.painter import Job, _Orders
+from gemrender.studio.pictures import Pictures
+
+#: Long enough for a machine that has much else to do [s].
+PATIENCE = 240.0
+#: Nothing comes for so long [s].
+SILENCE = 0.3
+
+#: What stands for the process: it answers each order to paint with the set-up's name as its picture, twice.
+ECHO = """
+import pickle, sys
+while True:
+    order, job = pickle.load(sys.stdin.buffer)
+    if order == "paint" and job.setup == "velvet":
+        sys.exit(3)
+    for _ in range(2 if order == "paint" else 0):
+        facts = {"title": job.stone.name, "samples": 4, "noise": float("inf"), "share": 0.5, "isDone": False}
+        pickle.dump({"key": job.key, "png": job.setup.encode(), **facts}, sys.stdout.buffer)
+    sys.stdout.buffer.flush()
+"""
+
+
+def wanted(number=1, setup="studio", **changes):
+    picture = None if setup is None else {"setup": setup}
+    return Wanted.of({**told("inoue-3", picture=picture, **changes), "number": number})
+
+
+@pytest.fixture
+def sent():
+    return queue.Queue()
+
+
+@pytest.fixture
+def made(sent):
+    of = Pictures(sent.put)
+    yield of
+    of.close()
+
+
+@pytest.fixture
+def echoed(made, monkeypatch):
+    begun = []
+
+    def start(command, **options):
+        assert command[-1] == "gemrender.studio.painter"
+        begun.append(popen([sys.executable, "-c", ECHO], **options))
+        return begun[-1]
+
+    popen = subprocess.Popen
+    monkeypatch.setattr(pictures.subprocess, "Popen", start)
+    return begun
+
+
+def rest(of, state):
+    of.rest(state, state.stone({}))
+
+
+def heard(sent, patience=PATIENCE):
+    return read(sent.get(timeout=patience))
+
+
+@pytest.mark.parametrize(
+    "picture", [{"setup": "/etc/passwd"}, {"setup": "../studio"}, {"setup": ["studio"]}, {}, "studio", 1]
+)
+def test_a_picture_is_in_a_bundled_set_up_and_never_in_a_file(picture):
+    refused(lambda: Wanted.of(told("inoue-3", picture=picture)), "picture")
+
+
+def test_the_same_scene_goes_on_and_is_shown_again_under_the_new_states_number(made, sent, echoed):
+    rest(made, wanted(1))
+    assert [heard(sent)[0]["number"] for _ in range(2)] == [1, 1]
+    made.pause()
+    rest(made, wanted(2, view={"tilt": 9.0, "azimuth": 0.0}))  # a picture has an eye of its own
+    header, arrays = heard(sent)
+    assert (header["type"], header["number"], header["noise"]) == ("picture", 2, None)
+    assert arrays["png"].tobytes() == b"studio"
+    with pytest.raises(queue.Empty):
+        heard(sent, SILENCE)  # and it was not begun anew
+    rest(made, wanted(3, "dark"))
+    assert heard(sent)[1]["png"].tobytes() == b"dark"
+    assert len(echoed) == 1
+
+
+def test_while_something_moves_nothing_is_shown_and_afterwards_the_last_picture_is(made, sent, echoed):
+    rest(made, wanted(1))
+    made.pause()
+    while not sent.empty():
+        sent.get()
+    with pytest.raises(queue.Empty):
+        heard(sent, SILENCE)
+    rest(made, wanted(2))
+    assert heard(sent)[0]["number"] == 2
+
+
+def test_where_no_picture_is_wanted_the_process_ends(made, sent, echoed):
+    rest(made, wanted(1))
+    heard(sent)
+    rest(made, wanted(2, None))
+    assert echoed[0].wait(PATIENCE) != 0
+
+
+def test_a_process_that_is_lost_is_told_in_a_line_and_the_next_scene_begins_another(made, sent, echoed):
+    rest(made, wanted(1, "velvet"))
+    header, _ = heard(sent)
+    assert (header["type"], header["number"]) == ("unpictured", 1)
+    assert header["why"] == "the process that renders ended by exit status 3"
+    rest(made, wanted(2))
+    assert heard(sent)[0]["type"] == "picture"
+    assert len(echoed) == 2
+
+
+def test_a_job_that_is_paused_waits_and_one_that_is_replaced_ends():
+    orders, (first, second) = _Orders(), (Job(1, None, "studio"), Job(2, None, "dark"))
+    orders._job = first
+    assert orders.next() is first
+    assert orders.go_on(first)
+    orders._is_paused = True
+    answers = queue.Queue()
+    threading.Thread(target=lambda: answers.put(orders.go_on(first)), daemon=True).start()
+    with pytest.raises(queue.Empty):
+        answers.get(timeout=SILENCE)
+    with orders._changed:
+        orders._job = second
+        orders._changed.notify_all()
+    assert answers.get(timeout=PATIENCE) is False
+
+
+def test_the_real_process_renders_the_stone_and_tells_what_cannot_be(made, sent):
+    rest(made, wanted(1))
+    header, arrays = heard(sent)
+    assert header["type"] == "picture", header
+    assert header["samples"] == 8
+    assert header["noise"] > 0
+    with Image.open(io.BytesIO(arrays["png"].tobytes())) as image:
+        assert image.size == (128, 128)
+        assert "diamond" in image.text["Title"]
+    rest(made, wanted(2, size_mm=9000.0))
+    while (header := heard(sent)[0])["type"] != "unpictured":
+        pass
+    assert header["number"] == 2
+    assert "\n" not in header["why"]
