@@ -271,7 +271,7 @@ def roughness(y):
     return float(np.abs(np.diff(y, axis=0)).mean() + np.abs(np.diff(y, axis=1)).mean())
 
 
-@pytest.mark.parametrize("setup", ["hemisphere", "white"])
+@pytest.mark.parametrize("setup", chosen(["hemisphere", "white"], ["hemisphere"]))
 def test_a_denoised_picture_is_smoother_and_as_bright(setup, render):
     pytest.importorskip("mitsuba_oidn")
     options = ["--setup", setup, "--size", "40", "--spp", "2"]

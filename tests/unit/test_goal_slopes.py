@@ -24,7 +24,9 @@ STEP, CLOSE = 1e-6, 1e-5
 #: Decimals to which one stone's planes are alike, whichever of its numbers they are made from.
 ROUNDING = 12
 #: Away from a pavilion of 45 degrees, where its light jumps.
-STEP_CUT = families()["emerald"](table=63.3, crown_height=12.7, pavilion_depth=47.3).stone(name="e")
+STEP_CUT = families()["emerald"](table=63.3, crown_height=12.7, pavilion_depth=47.3).stone(
+    name="e", material="quartz"
+)
 
 
 @pytest.mark.parametrize(
