@@ -8,6 +8,7 @@ import drjit as dr
 import mitsuba as mi
 
 from gemrender.plugins.rough import scattered
+from gemrender.plugins.spectra import mean_of
 from gemrender.plugins.stones import RAY_OFFSET, reflectance
 from gemrender.plugins.walk import LATE, LATE_SURVIVAL
 
@@ -58,7 +59,7 @@ class Branch:
     @property
     def throughput(self) -> mi.Spectrum:
         """What it stands for: all that were offered."""
-        return dr.select(self.weight > 0, self.β * (self.weight / dr.mean(self.β)), 0)
+        return dr.select(self.weight > 0, self.β * (self.weight / mean_of(self.β)), 0)
 
 
 def is_diffuse(flags: mi.UInt32) -> mi.Bool:
@@ -149,7 +150,7 @@ def split(stones, stone, p, d, n, β, parted, wavelengths, time, chance, depth, 
         branch = mi.Ray3f(side_o, side_d, time, wavelengths)
         found, Le = stones.outside(branch, side)
         L += dr.select(side, side_β * Le, 0)
-        met_branch = Branch(dr.mean(side_β), side_o, side_d, side_β, side_parted, side_depth)
+        met_branch = Branch(mean_of(side_β), side_o, side_d, side_β, side_parted, side_depth)
         number = chance.next_float32()
         for k in range(stones.n_ways):
             drawn[k] = drawn[k].or_offered(met_branch, number, side & found & (side_way == k))

@@ -12,6 +12,7 @@ from gemrender.plugins.branches import is_diffuse
 from gemrender.plugins.checks import SceneCheck, is_stone
 from gemrender.plugins.emission import Emission
 from gemrender.plugins.projection import Projection
+from gemrender.plugins.spectra import mean_of
 from gemrender.plugins.stones import RAY_OFFSET, Stones
 from gemrender.plugins.walk import LATE, LATE_SURVIVAL, walk
 from gemrender.scene.sobol import TEA_ROUNDS, sobol
@@ -199,7 +200,7 @@ class Caustics:
         max_depth = mi.UInt32(self._max_depth if self._max_depth >= 0 else 0xFFFFFFFF)
         context = mi.BSDFContext(mi.TransportMode.Importance)
         ray = mi.Ray3f(ray)
-        sent = dr.mean(β)
+        sent = mean_of(β)
         active = sent > 0
         parted = mi.Bool(False)
         depth = mi.UInt32(0)  # segments before the next
@@ -286,7 +287,7 @@ class Caustics:
 
             # ---- Russian roulette: all rays that are left carry alike; late ones end by chance ----
 
-            q = dr.minimum(dr.mean(β) / sent, 1)
+            q = dr.minimum(mean_of(β) / sent, 1)
             q = dr.select(depth > LATE, q * LATE_SURVIVAL, q)
             active &= (q > 0) & (chance.next_float32() < q)
             β *= dr.select(active, dr.rcp(q), 0)

@@ -6,6 +6,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from gemrender.plugins.spectra import mean_of
 from gemrender.scene.shapes import mesh_buffers
 
 __all__ = ["Emission"]
@@ -80,7 +81,7 @@ class Emission:
         chance = mi.PCG32(1, mi.UInt64(lanes), mi.UInt64(lanes) + 1)
         u = [chance.next_float32() for _ in range(5)]
         _, weight, *_ = self._ray(lanes // _TRIALS, u, mi.Spectrum(*_trial_wavelengths()))
-        found = np.array(dr.mean(weight), dtype=np.float64).reshape(self.n_emitters, _TRIALS)
+        found = np.array(mean_of(weight), dtype=np.float64).reshape(self.n_emitters, _TRIALS)
         flux = np.where(np.isfinite(found), found, 0).mean(axis=1)
         self.mean_weight = float(flux.sum())
         if self.mean_weight > 0:
@@ -239,7 +240,7 @@ def _solid_angles(scene: mi.Scene, spheres: np.ndarray) -> np.ndarray:
         it.wavelengths = mi.Spectrum(*_trial_wavelengths())
         if emitter.flags() & int(mi.EmitterFlags.Infinite):
             ds, weight = emitter.sample_direction(it, place)
-            w = dr.mean(weight)
+            w = mean_of(weight)
             total, square = (np.asarray(x, dtype=np.float64).mean() for x in (w, w * w * ds.pdf))
             out.append(total**2 / square if square > 0 else np.inf)
             continue

@@ -11,6 +11,7 @@ from gemrender.plugins.caustics import Caustics
 from gemrender.plugins.checks import SceneCheck
 from gemrender.plugins.direct import MOST_LIGHTS, direct_light, mis_weight, one_light
 from gemrender.plugins.properties import truth, whole_number
+from gemrender.plugins.spectra import mean_of
 from gemrender.plugins.stones import RAY_OFFSET, Stones
 from gemrender.plugins.walk import LATE, LATE_SURVIVAL, walk
 
@@ -298,7 +299,7 @@ class PathIntegrator(mi.SamplingIntegrator):
                             stones.of_channel(eta, channel), ray.wavelengths,
                             chance, depth, max_depth, ends & walks,
                         )  # fmt: skip
-                        weight_of_walk = dr.select(walked, dr.mean(walk_β), 0)
+                        weight_of_walk = dr.select(walked, mean_of(walk_β), 0)
                         walked_end = Branch(weight_of_walk, walk_o, walk_d, walk_β, part | parted, walk_depth)
                         end = dr.select(walks, walked_end, end)
                     looks = ends & part & (end.weight > 0)
@@ -362,7 +363,7 @@ def _of_eye(
 
 def _as_rgb(value: mi.Spectrum) -> mi.Color3f:
     """Return a colour that a denoiser can take: of a spectrum its mean."""
-    return value if dr.size_v(value) == 3 else mi.Color3f(dr.mean(value))
+    return value if dr.size_v(value) == 3 else mi.Color3f(mean_of(value))
 
 
 mi.register_integrator("gem_path", lambda props: PathIntegrator(props))

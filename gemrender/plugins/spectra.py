@@ -5,12 +5,20 @@ from __future__ import annotations
 import drjit as dr
 import mitsuba as mi
 
-__all__ = ["FIRST_NM", "LAST_NM", "N_ROWS", "parting_colour", "row_of", "tabulated"]
+__all__ = ["FIRST_NM", "LAST_NM", "N_ROWS", "mean_of", "parting_colour", "row_of", "tabulated"]
 
 #: Where materials are tabulated [nm]: Mitsuba's range of wavelengths, in steps of 1 nm. Diamond's index
 #: between two rows is linear to 2e-7.
 FIRST_NM, LAST_NM = 360, 830
 N_ROWS = LAST_NM - FIRST_NM + 1
+
+
+def mean_of(spectrum: mi.Spectrum) -> mi.Float:
+    """Return the mean over the channels.
+
+    `dr.mean` writes the number of lanes into the kernel: pictures of each size would have their own.
+    """
+    return dr.sum(spectrum) * (1 / dr.size_v(spectrum))
 
 
 def row_of(nm: mi.Float) -> mi.Float:

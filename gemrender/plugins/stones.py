@@ -7,7 +7,7 @@ import mitsuba as mi
 import numpy as np
 
 from gemrender.plugins.checks import RAY_OFFSET, SceneCheck, is_stone
-from gemrender.plugins.spectra import N_ROWS, parting_colour, row_of, tabulated
+from gemrender.plugins.spectra import N_ROWS, mean_of, parting_colour, row_of, tabulated
 from gemrender.scene.convex import PlacedSolid
 from gemrender.scene.shapes import FLAT
 
@@ -105,7 +105,7 @@ class Stones:
     @staticmethod
     def mean(spectrum: mi.Spectrum) -> mi.Float:
         """Return the mean over the channels."""
-        return dr.mean(spectrum)
+        return mean_of(spectrum)
 
     # ---- Material ----
 
@@ -198,7 +198,7 @@ class Stones:
 
     def weight(self, throughput: mi.Spectrum, split: mi.Bool) -> mi.Float:
         """Return a throughput inside, as Russian roulette takes it: of one of many ways as if all went it."""
-        mean = dr.mean(throughput)
+        mean = mean_of(throughput)
         return dr.select(split, self.n_ways * mean, mean)
 
     def _look_up(

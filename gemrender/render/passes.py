@@ -248,9 +248,10 @@ class Passes:
         import drjit as dr
         import mitsuba as mi
 
-        lanes = dr.arange(mi.UInt32, n * spp)
-        pixel = lanes // spp
-        number = lanes - pixel * spp + dr.opaque(mi.UInt32, index)
+        # Opaque: sizes and samples in the kernel would make one for each
+        lanes, of_a_pixel = dr.arange(mi.UInt32, n * spp), dr.opaque(mi.UInt32, spp)
+        pixel = lanes // of_a_pixel
+        number = lanes - pixel * of_a_pixel + dr.opaque(mi.UInt32, index)
         pixel += dr.opaque(mi.UInt32, first)
         samples = PixelSamples.of(pixel, number, seed)
         x, y, nm, turn, *lens = samples.next(6)
@@ -269,7 +270,7 @@ class Passes:
             dx, dy = (mi.warp.interval_to_tent(x) * self.filter_radius for x in u[:2])
         else:
             dx, dy = u[0] - 0.5, u[1] - 0.5
-        size = mi.Vector2f(self.width, self.height)
+        size = mi.Vector2f(*(dr.opaque(mi.Float, n) for n in (self.width, self.height)))
         place = mi.Point2f(mi.Float(pixel - row * width) + 0.5 + dx, mi.Float(row) + 0.5 + dy) / size
         ray, _ = self.sensor.sample_ray_differential(0.0, 0.5, place, mi.Point2f(u[3], u[4]))
         ray.wavelengths = wavelengths
