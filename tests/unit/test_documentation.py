@@ -91,6 +91,7 @@ def folder(tmp_path_factory):
         (folder / name).write_text(text, encoding="utf-8")
     obj(folder / "box.obj", box())
     shutil.copy(ROOT / "scenes" / "setups" / "studio.toml", folder / "my.toml")
+    assert run(["convert", "quartz-round", "-o", str(folder / "design.asc")]) == 0
     for name in ("docs", "scripts"):
         (folder / name).symlink_to(ROOT / name)
     return folder
