@@ -32,7 +32,8 @@ CHEAPER: dict[str, dict[str, str | None]] = {
         "--bins": "4",
     },
     "improve": {
-        "--rounds": "1", "--answers": "1", "--check": None, "--reach": "0.1", "--draws": "2",
+        "--rounds": "1", "--answers": "1", "--check": None, "--resolution": None, "--reach": "0.1",
+        "--draws": "2",
     },
     "symmetry": {"--draws": "2"},
     "tolerance": {"--draws": "2"},
