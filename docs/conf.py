@@ -34,7 +34,7 @@ myst_heading_anchors = 4
 
 # Notebooks are text, and are run when the site is built; a cell that fails fails the build.
 nb_execution_mode = "force"
-nb_execution_timeout = 300
+nb_execution_timeout = 600
 nb_execution_in_temp = True
 nb_execution_raise_on_error = True
 nb_execution_show_tb = True

@@ -103,11 +103,17 @@ def measures() -> str:
     """Return the measures as their classes tell them."""
     from gemrender.measures import measures as registry
 
-    rows = ["| name | version | values | definition | source |", "| --- | --- | --- | --- | --- |"]
-    for of in registry():
-        keys = ", ".join(f"`{key}`" for key in of.keys)
-        rows.append(f"| `{of.name}` | {of.version} | {keys} | {_cell(of.definition)} | {_cell(of.source)} |")
-    return "\n".join(rows)
+    return "\n".join(
+        f"- **`{of.name}`**, version {of.version}: {', '.join(f'`{key}`' for key in of.keys)}. "
+        f"{_sentence(of.definition)} Source: {_sentence(of.source)}"
+        for of in registry()
+    )
+
+
+def _sentence(text: str) -> str:
+    """Return text as a sentence of Markdown."""
+    text = " ".join(text.replace("*", r"\*").replace("_", r"\_").replace("<", r"\<").split())
+    return text[:1].upper() + text[1:].rstrip(".") + "."
 
 
 # ---- Plugins -------------------------------------------------------------------------------------------

@@ -32,7 +32,8 @@ CHEAPER: dict[str, dict[str, str | None]] = {
         "--bins": "4",
     },
     "improve": {
-        "--rounds": "1", "--answers": "1", "--check": None, "--reach": "0.1", "--draws": "2",
+        "--rounds": "1", "--answers": "1", "--check": None, "--resolution": None, "--reach": "0.1",
+        "--draws": "2",
     },
     "symmetry": {"--draws": "2"},
     "tolerance": {"--draws": "2"},
@@ -91,6 +92,7 @@ def folder(tmp_path_factory):
         (folder / name).write_text(text, encoding="utf-8")
     obj(folder / "box.obj", box())
     shutil.copy(ROOT / "scenes" / "setups" / "studio.toml", folder / "my.toml")
+    assert run(["convert", "quartz-round", "-o", str(folder / "design.asc")]) == 0
     for name in ("docs", "scripts"):
         (folder / name).symlink_to(ROOT / name)
     return folder
