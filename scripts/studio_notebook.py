@@ -100,6 +100,7 @@ def use(address: str, picture: Path, width: int, height: int, is_dark: bool) -> 
         page.wait_for_function("window.jupyterapp")
         page.evaluate("jupyterapp.restored.then(() => true)")
         page.wait_for_selector(".jp-Notebook-ExecutionIndicator[data-status=idle]")
+        page.wait_for_timeout(6000)  # its outputs are listened to a little later
         if is_dark:
             page.evaluate(
                 "void jupyterapp.commands.execute('apputils:change-theme', {theme: 'JupyterLab Dark'})"

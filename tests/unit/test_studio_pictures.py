@@ -93,8 +93,8 @@ def test_the_same_scene_goes_on_and_is_shown_again_under_the_new_states_number(m
     assert arrays["png"].tobytes() == b"studio"
     with pytest.raises(queue.Empty):
         heard(sent, SILENCE)  # and it was not begun anew
-    rest(made, wanted(3, "dark"))
-    assert heard(sent)[1]["png"].tobytes() == b"dark"
+    rest(made, wanted(3, "sun"))
+    assert heard(sent)[1]["png"].tobytes() == b"sun"
     assert len(echoed) == 1
 
 
@@ -127,7 +127,7 @@ def test_a_process_that_is_lost_is_told_in_a_line_and_the_next_scene_begins_anot
 
 
 def test_a_job_that_is_paused_waits_and_one_that_is_replaced_ends():
-    orders, (first, second) = _Orders(), (Job(1, None, "studio"), Job(2, None, "dark"))
+    orders, (first, second) = _Orders(), (Job(1, None, "studio"), Job(2, None, "sun"))
     orders._job = first
     assert orders.next() is first
     assert orders.go_on(first)
@@ -151,8 +151,8 @@ def test_the_real_process_renders_the_stone_and_tells_what_cannot_be(made, sent)
     with Image.open(io.BytesIO(arrays["png"].tobytes())) as image:
         assert image.size == (128, 128)
         assert "diamond" in image.text["Title"]
-    rest(made, wanted(2, size_mm=9000.0))
-    while (header := heard(sent)[0])["type"] != "unpictured":
-        pass
-    assert header["number"] == 2
+    rest(made, wanted(2, material=9.5))
+    header, _ = heard(sent)
+    assert (header["type"], header["number"]) == ("unpictured", 2)
+    assert "must be a number from 1.05 to 4" in header["why"]
     assert "\n" not in header["why"]
