@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import queue
 import threading
 import time
 from contextlib import contextmanager
@@ -10,8 +12,10 @@ import pytest
 from browser_help import CHROMIUM, CONTRASTS, FLAGS, LEAST_CONTRAST
 
 import gemrender
+from gemrender.studio.assets import WIDGET, embedded_page, files
 from gemrender.studio.desk import Desk
 from gemrender.studio.serve import listen
+from gemrender.studio.session import Session
 from gemrender.studio.texts import saved
 
 pytest.importorskip("uvicorn")
@@ -145,3 +149,83 @@ def test_the_page_is_used_by_hand_and_by_keys_and_outlives_its_server(browser):
         page.press("#tilt", "ArrowRight")
         drawn(page, int(before))
     context.close()
+
+
+#: What stands for a notebook: the widget's script with a model whose messages go to the test.
+NOTEBOOK = """
+async ([script]) => {
+    const blob = new Blob([script], { type: 'text/javascript' });
+    const { default: { render } } = await import(URL.createObjectURL(blob));
+    const heard = {};
+    const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+    const model = {
+        get: () => 600, on: (name, hear) => { heard[name] = hear; }, off: () => {},
+        send: (content, _, [buffer] = []) => toKernel(content, buffer ? [...new Uint8Array(buffer)] : null),
+    };
+    window.fromKernel = (content, text) => heard['msg:custom'](content, [new DataView(bytes(text).buffer)]);
+    window.lose = () => heard['comm:close']();
+    const el = document.body.appendChild(document.createElement('div'));
+    window.end = render({ model, el });
+}
+"""
+
+
+def test_the_page_runs_in_a_notebooks_frame_and_reaches_nothing_of_it(browser):
+    context = browser.new_context(viewport={"width": 1000, "height": 700})
+    page, errors, asked, sent = context.new_page(), [], [], queue.Queue()
+    page.on("console", lambda message: message.type == "error" and errors.append(message.text))
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.on("request", lambda request: asked.append(request.url))
+    desk, heard = Desk([gemrender.load_stone("inoue-3")]), []
+    session = Session(desk, sent.put)
+    page.expose_function("toKernel", lambda content, data: heard.append((content, data)))
+
+    def until_in_frame(expression):
+        """Hand messages on, both ways, until something is so in the frame."""
+        end = time.monotonic() + PATIENCE / 1000
+        while not (len(page.frames) > 1 and page.frames[1].evaluate(expression)):
+            assert time.monotonic() < end, (expression, errors)
+            while heard:
+                content, data = heard.pop(0)
+                if content["type"] == "begin":
+                    deliver({**content, "type": "page"}, embedded_page(desk.told()))
+                elif content["type"] == "message":
+                    session.take(content.get("text") or bytes(data))
+                views.add(content["view"])
+            while not sent.empty():
+                deliver({"view": next(iter(views)), "type": "message"}, sent.get())
+            page.wait_for_timeout(20)
+
+    def deliver(content, message):
+        page.evaluate(
+            "([content, text]) => fromKernel(content, text)", [content, base64.b64encode(message).decode()]
+        )
+
+    views = set()
+    try:
+        page.goto("about:blank")
+        page.evaluate(NOTEBOOK, [files()[WIDGET][1].decode()])
+        until_in_frame("Number(document.documentElement.dataset.drawn ?? 0) > 0")
+        frame = page.frames[1]
+        assert frame.inner_text(".headline .average").startswith("60.40")
+        frame.press("#slider-pavilion_angle", "ArrowRight")
+        until_in_frame("Number(document.documentElement.dataset.drawn) > 1")
+        assert not frame.inner_text(".headline .average").startswith("60.40")
+        # Of another origin than the notebook: its page, its cookies, and the network are out of reach.
+        blocked = "(() => { try { return parent.document.title; } catch (error) { return error.name; } })()"
+        assert frame.evaluate(blocked) == "SecurityError"
+        reached = "fetch('http://127.0.0.1:9/').then(() => 'reached', () => 'refused')"
+        assert frame.evaluate(reached) == "refused"
+        assert any("Content Security Policy" in error for error in errors)
+        assert all("Content Security Policy" in error and "127.0.0.1:9" in error for error in errors), errors
+        assert not frame.locator("#save [data-kind=link]").count()
+        page.evaluate("lose()")
+        until_in_frame("!document.getElementById('lost').hidden")
+        assert "kernel" in frame.inner_text("#lost")
+        page.evaluate("end()")
+        page.wait_for_timeout(50)
+        assert heard[-1][0]["type"] == "end"
+        assert all(url.startswith(("blob:", "data:", "about:")) for url in asked), asked
+    finally:
+        session.close(wait=60)
+        context.close()
