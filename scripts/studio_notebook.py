@@ -56,7 +56,7 @@ def laboratory(folder: Path) -> Iterator[str]:
 
 def notebook() -> str:
     """Return the notebook, as its file has it."""
-    cells = [
+    cells: list[dict[str, object]] = [
         {
             "cell_type": "code", "id": f"cell{i}", "source": source, "metadata": {}, "outputs": [],
             "execution_count": None,

@@ -8,10 +8,13 @@ import threading
 import time
 from contextlib import contextmanager
 
+import numpy as np
 import pytest
 from browser_help import CHROMIUM, CONTRASTS, FLAGS, LEAST_CONTRAST
+from echo_painter import echoing
 
 import gemrender
+from gemrender.render.picture_files import png_bytes
 from gemrender.studio.assets import WIDGET, embedded_page, files
 from gemrender.studio.desk import Desk
 from gemrender.studio.serve import listen
@@ -149,6 +152,42 @@ def test_the_page_is_used_by_hand_and_by_keys_and_outlives_its_server(browser):
         page.press("#tilt", "ArrowRight")
         drawn(page, int(before))
     context.close()
+
+
+def test_a_picture_is_shown_saved_and_faded_while_something_moves(browser, monkeypatch):
+    png = png_bytes(np.full((8, 8, 3), 200, dtype=np.uint8))
+    begun = echoing(monkeypatch, png)
+    context = browser.new_context(viewport={"width": 1400, "height": 900}, accept_downloads=True)
+    context.set_default_timeout(PATIENCE)
+    page, errors = context.new_page(), []
+    page.on("console", lambda message: message.type == "error" and errors.append(message.text))
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    with running() as port:
+        page.goto(f"http://127.0.0.1:{port}/{TOKEN}/")
+        drawn(page)
+        assert not begun  # none is rendered before it is asked for
+        page.select_option("#setup", "fire")
+        page.wait_for_selector(".picture:not(.stale) img:not([hidden])")
+        assert page.evaluate("document.querySelector('.picture img').naturalWidth") == 8
+        assert "set-up fire: 4 samples a pixel" in page.get_attribute(".picture img", "alt")
+        with page.expect_download() as download:
+            page.click("#keep-picture")
+        assert download.value.path().read_bytes() == png
+        assert download.value.suggested_filename == "Inoue-sample-3-fire.png"
+
+        page.press("#slider-pavilion_angle", "ArrowRight")
+        page.wait_for_selector(".picture.stale")
+        page.wait_for_selector(".picture:not(.stale)")
+        page.select_option("#setup", "velvet")
+        page.wait_for_selector(".picture .refused:not([hidden])")
+        assert page.inner_text(".picture .refused").endswith("ended by exit status 3")
+        page.click("#paint")
+        page.wait_for_selector(".picture img", state="hidden")
+        page.click("#undo")  # a picture that is wanted is a step of the history, and part of the link
+        assert page.get_attribute("#paint", "aria-pressed") == "true"
+        assert not errors
+    context.close()
+    assert all(process.wait(60) is not None for process in begun)
 
 
 #: What stands for a notebook: the widget's script with a model whose messages go to the test.

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import io
 import queue
-import subprocess
-import sys
 import threading
 
 import pytest
+from echo_painter import echoing
 from PIL import Image
 from refusals import refused
 from test_studio_session import read, told
 
-from gemrender.studio import pictures
 from gemrender.studio.frames import Wanted
 from gemrender.studio.painter import Job, _Orders
 from gemrender.studio.pictures import Pictures
@@ -22,19 +20,6 @@ from gemrender.studio.pictures import Pictures
 PATIENCE = 240.0
 #: Nothing comes for so long [s].
 SILENCE = 0.3
-
-#: What stands for the process: it answers each order to paint with the set-up's name as its picture, twice.
-ECHO = """
-import pickle, sys
-while True:
-    order, job = pickle.load(sys.stdin.buffer)
-    if order == "paint" and job.setup == "velvet":
-        sys.exit(3)
-    for _ in range(2 if order == "paint" else 0):
-        facts = {"title": job.stone.name, "samples": 4, "noise": float("inf"), "share": 0.5, "isDone": False}
-        pickle.dump({"key": job.key, "png": job.setup.encode(), **facts}, sys.stdout.buffer)
-    sys.stdout.buffer.flush()
-"""
 
 
 def wanted(number=1, setup="studio", **changes):
@@ -56,16 +41,7 @@ def made(sent):
 
 @pytest.fixture
 def echoed(made, monkeypatch):
-    begun = []
-
-    def start(command, **options):
-        assert command[-1] == "gemrender.studio.painter"
-        begun.append(popen([sys.executable, "-c", ECHO], **options))
-        return begun[-1]
-
-    popen = subprocess.Popen
-    monkeypatch.setattr(pictures.subprocess, "Popen", start)
-    return begun
+    return echoing(monkeypatch)
 
 
 def rest(of, state):
