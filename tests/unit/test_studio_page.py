@@ -169,7 +169,7 @@ def test_a_picture_is_shown_saved_and_faded_while_something_moves(browser, monke
         page.select_option("#setup", "fire")
         page.wait_for_selector(".picture:not(.stale) img:not([hidden])")
         assert page.evaluate("document.querySelector('.picture img').naturalWidth") == 8
-        assert "set-up fire: 4 samples a pixel" in page.get_attribute(".picture img", "alt")
+        assert "set-up fire: 4 samples a pixel, denoised" in page.get_attribute(".picture img", "alt")
         with page.expect_download() as download:
             page.click("#keep-picture")
         assert download.value.path().read_bytes() == png
