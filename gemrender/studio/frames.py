@@ -23,7 +23,7 @@ from gemrender.scene.setup import bundled_setups
 from gemrender.scoring import Score, score_measurement
 from gemrender.stone import Stone, tessellate
 from gemrender.stone.facets import CROWN, GIRDLE, PAVILION
-from gemrender.studio.cuttings import stone_of
+from gemrender.studio.cuttings import present_values, stone_of
 from gemrender.studio.texts import is_number
 
 __all__ = ["MOVING", "RESTING", "Effort", "Wanted", "frame", "images_of", "measured_values", "traced"]
@@ -175,6 +175,7 @@ def frame(
         "type": "frame",
         "number": wanted.number,
         "name": stone.name,
+        "values": present_values(stone),
         "unit": length_unit(stone),
         "view": {"basis": view.basis().tolist(), "tilt": wanted.tilt, "azimuth": wanted.azimuth},
         "halfWidth": view.half_width,

@@ -125,6 +125,13 @@ def test_the_page_is_used_by_hand_and_by_keys_and_outlives_its_server(browser):
         page.set_input_files("#file", {"name": "mine.asc", "mimeType": "text/plain", "buffer": design})
         until(page, "document.getElementById('name').value === 'mine'")
         number = drawn(page, number)
+        # Of a design's tier the distance goes with an angle that turns, and its slider says so.
+        angle = page.locator("#sliders input[id$=angle]").last.get_attribute("id")
+        distance = f"#{angle.replace('angle', 'distance')}"
+        before = page.input_value(distance)
+        page.press(f"#{angle}", "PageUp")
+        number = drawn(page, number)
+        until(page, f"document.querySelector('{distance}').value !== '{before}'")
         page.click("#save summary")
         with page.expect_download() as download:
             page.click("#save [data-kind=asc]")

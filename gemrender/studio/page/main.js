@@ -41,6 +41,7 @@ const picture = new Picture(find(document, '.picture'), (wanted) =>
     store.set({ picture: wanted }, wanted ? `Picture in the set-up ${wanted.setup}` : 'No picture'));
 let frame = null;
 let held = null;
+let present = {}; // of a design, what its tiers have by now
 
 const isCurrent = (message) => message.number === store.state?.number;
 
@@ -68,7 +69,10 @@ const wire = new Wire({
         solid.setFrame(frame); // traces the ray that the map shows
         map.setFrame(frame);
         scores.show(frame.score, store.baseline?.score);
-        if (isCurrent(message)) find(document, '.view .busy').hidden = frame.isSettled;
+        if (!isCurrent(message)) return;
+        find(document, '.view .busy').hidden = frame.isSettled;
+        present = frame.values;
+        if (store.state.cut.design) showValues();
     },
     refused({ why }) {
         refuse(why);
@@ -121,12 +125,13 @@ const opening = new Opening(store, {
 
 function changed(state, isOther) {
     if (isOther) {
+        present = {};
         sliders.fill(store.sliders, valuesOf(state));
         scores.choose(state.measures);
         profile.root.hidden = !('pavilion_angle' in valuesOf(state));
         around.root.hidden = !('crown_angle' in valuesOf(state) && 'pavilion_angle' in valuesOf(state));
     }
-    sliders.show(shownValues(state), store.baseline && shownValues(store.baseline.state));
+    showValues();
     sliders.fade();
     sliders.clearCliffs();
     scores.fade();
@@ -146,11 +151,15 @@ function changed(state, isOther) {
 
 const valuesOf = (state) => state.cut.values ?? {};
 
-/** The values on the sliders: of a design the file's own where they have not been changed. */
-function shownValues(state) {
+/** The values on the sliders: of a design those that its tiers have by now, the file's own before they are known. */
+function shownValues(state, values = {}) {
     if (!state.cut.design) return valuesOf(state);
     const own = Object.fromEntries(store.sliders.map((slider) => [slider.name, slider.value]));
-    return { ...own, ...valuesOf(state) };
+    return { ...own, ...values, ...valuesOf(state) };
+}
+
+function showValues() {
+    sliders.show(shownValues(store.state, present), store.baseline && shownValues(store.baseline.state));
 }
 
 function moved(name, value, words) {
@@ -276,7 +285,7 @@ function setBaseline(baseline) {
     for (const id of ['swap', 'drop', 'baseline']) byId(id).hidden = !baseline;
     if (baseline) byId('baseline').textContent = `Baseline: ${baseline.name}, Average ${number(baseline.score.average, 2)}, Rear ${number(baseline.score.rear, 2)}`;
     curve.keep(Boolean(baseline));
-    sliders.show(shownValues(store.state), baseline && shownValues(baseline.state));
+    showValues();
     if (frame) scores.show(frame.score, baseline?.score);
 }
 

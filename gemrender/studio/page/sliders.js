@@ -161,9 +161,9 @@ export class Sliders {
 const cliffWords = (what) => (what ?? '').replace(/^inoue /, '').replace(/^./, (letter) => letter.toUpperCase());
 
 /** What one unit more does, as an arrow and a number for Average and for Rear. */
-function pushed({ average, averageBound, rear, rearBound }, { unit, label }, largest) {
-    const per = { deg: '1°', '%': '1 %', '': '0.1' }[unit];
-    const by = unit === '' ? 0.1 : 1;
+function pushed({ average, averageBound, rear, rearBound }, { unit, label, step }, largest) {
+    const by = unit ? 1 : step < 0.005 ? 0.01 : 0.1;
+    const per = { deg: '1°', '%': '1 %', '': String(by) }[unit];
     const one = (name, slope, bound) => {
         const value = slope * by;
         const direction = Math.abs(value) < LEAST ? '·' : value > 0 ? '▲' : '▼';
