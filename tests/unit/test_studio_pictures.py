@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import io
 import queue
+import subprocess
+import sys
 import threading
 
 import pytest
@@ -116,6 +118,12 @@ def test_a_job_that_is_paused_waits_and_one_that_is_replaced_ends():
         orders._job = second
         orders._changed.notify_all()
     assert answers.get(timeout=PATIENCE) is False
+
+
+def test_the_real_process_ends_where_there_is_nobody_to_work_for():
+    command = [sys.executable, "-m", "gemrender.studio.painter"]
+    done = subprocess.run(command, input=b"", capture_output=True, timeout=PATIENCE, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, b"", b"")
 
 
 def test_the_real_process_renders_the_stone_and_tells_what_cannot_be(made, sent):
