@@ -6,7 +6,7 @@ import base64
 import queue
 import threading
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 import numpy as np
 import pytest
@@ -226,10 +226,14 @@ def test_the_page_runs_in_a_notebooks_frame_and_reaches_nothing_of_it(browser):
     session = Session(desk, sent.put)
     page.expose_function("toKernel", lambda content, data: heard.append((content, data)))
 
+    def is_so(expression):
+        with suppress(playwright.Error):  # the frame has only now got its page
+            return len(page.frames) > 1 and page.frames[1].evaluate(expression)
+
     def until_in_frame(expression):
         """Hand messages on, both ways, until something is so in the frame."""
         end = time.monotonic() + PATIENCE / 1000
-        while not (len(page.frames) > 1 and page.frames[1].evaluate(expression)):
+        while not is_so(expression):
             assert time.monotonic() < end, (expression, errors)
             while heard:
                 content, data = heard.pop(0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import pickle
 import queue
 import subprocess
 import sys
@@ -14,6 +15,8 @@ from PIL import Image
 from refusals import refused
 from test_studio_session import read, told
 
+import gemrender
+from gemrender.studio import painter
 from gemrender.studio.frames import Wanted
 from gemrender.studio.painter import Job, _Orders
 from gemrender.studio.pictures import Pictures
@@ -126,17 +129,27 @@ def test_the_real_process_ends_where_there_is_nobody_to_work_for():
     assert (done.returncode, done.stdout, done.stderr) == (0, b"", b"")
 
 
-def test_the_real_process_renders_the_stone_and_tells_what_cannot_be(made, sent):
-    rest(made, wanted(1))
-    header, arrays = heard(sent)
-    assert header["type"] == "picture", header
-    assert header["samples"] == 8
-    assert header["noise"] > 0
-    with Image.open(io.BytesIO(arrays["png"].tobytes())) as image:
-        assert image.size == (128, 128)
-        assert "diamond" in image.text["Title"]
+def test_the_real_process_tells_what_cannot_be_rendered(made, sent):
     rest(made, wanted(2, material=9.5))
     header, _ = heard(sent)
     assert (header["type"], header["number"]) == ("unpictured", 2)
     assert "must be a number from 1.05 to 4" in header["why"]
     assert "\n" not in header["why"]
+
+
+def test_a_picture_is_coarse_first_and_then_refines_until_it_is_done(monkeypatch):
+    monkeypatch.setattr(painter, "_STAGES", (painter._Stage(8, 2), painter._Stage(16, 4)))
+    monkeypatch.setattr(painter, "_APART", float("inf"))  # each one's end only, however long it takes
+    orders, answers = _Orders(), io.BytesIO()
+    orders._job = job = Job(7, gemrender.load_stone("inoue-3"), "studio")
+    painter._paint(job, orders, answers)
+    answers.seek(0)
+    told = [pickle.load(answers) for _ in range(2)]
+    assert [of["samples"] for of in told] == [2, 4]
+    assert [of["isDone"] for of in told] == [False, True]
+    assert [of["key"] for of in told] == [7, 7]
+    assert not answers.read()
+    for of, side in zip(told, (8, 16), strict=True):
+        with Image.open(io.BytesIO(of["png"])) as image:
+            assert image.size == (side, side)
+            assert "diamond" in image.text["Title"]
