@@ -4,8 +4,8 @@
 
 A notebook shows `gemrender.Studio("inoue-3")`; a slider is dragged, the map changes, and the kernel knows the
 stone that is shown; at last the kernel is restarted, and the page says so. It prints what the page's console
-has as an error, and ends with 1 where something is not as it should be. Needs jupyterlab, anywidget, playwright
-and a Chromium.
+has as an error, and ends with 1 where something is not as it should be. Needs jupyterlab, anywidget,
+playwright and a Chromium.
 """
 
 from __future__ import annotations
