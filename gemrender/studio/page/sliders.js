@@ -100,10 +100,12 @@ export class Sliders {
             if (Number(row.range.value) !== value) row.range.value = value;
             if (document.activeElement !== row.box || row.shown !== value)
                 row.box.value = Number(value.toFixed(DECIMALS[row.slider.unit]));
-            row.shown = value;
-            row.range.setAttribute('aria-valuetext', `${number(value, DECIMALS[row.slider.unit])} ${{ deg: 'degrees', '%': 'per cent', '': '' }[row.slider.unit]}`);
             const before = baseline && this.valueOf(baseline, name);
-            row.before = typeof before === 'number' ? before : null;
+            const marked = typeof before === 'number' ? before : null;
+            if (row.shown === value && row.before === marked) continue; // a design has many, and few move
+            row.shown = value;
+            row.before = marked;
+            row.range.setAttribute('aria-valuetext', `${number(value, DECIMALS[row.slider.unit])} ${{ deg: 'degrees', '%': 'per cent', '': '' }[row.slider.unit]}`);
             this.mark(row);
         }
     }
@@ -125,7 +127,11 @@ export class Sliders {
     }
 
     clearCliffs() {
-        for (const row of this.rows.values()) if (!row.isChoice) row.cliffs = null;
+        for (const row of this.rows.values()) {
+            if (row.isChoice || !row.cliffs) continue;
+            row.cliffs = null;
+            this.mark(row);
+        }
     }
 
     setCliffs(parameter, sides) {
