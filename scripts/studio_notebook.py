@@ -3,8 +3,9 @@
     python scripts/studio_notebook.py studio-notebook.png           light; --dark, --width 390 ...
 
 A notebook shows `gemrender.Studio("inoue-3")`; a slider is dragged, the map changes, and the kernel knows the
-stone that is shown. It prints what the page's console has as an error, and ends with 1 where something is not
-as it should be. Needs jupyterlab, anywidget, playwright and a Chromium.
+stone that is shown; at last the kernel is restarted, and the page says so. It prints what the page's console
+has as an error, and ends with 1 where something is not as it should be. Needs jupyterlab, anywidget,
+playwright and a Chromium.
 """
 
 from __future__ import annotations
@@ -51,12 +52,16 @@ def laboratory(folder: Path) -> Iterator[str]:
         drain.terminate()
     finally:
         server.terminate()
-        server.wait()
+        try:
+            server.wait(30)
+        except subprocess.TimeoutExpired:  # kernels see its end by themselves
+            server.kill()
+            server.wait()
 
 
 def notebook() -> str:
     """Return the notebook, as its file has it."""
-    cells = [
+    cells: list[dict[str, object]] = [
         {
             "cell_type": "code", "id": f"cell{i}", "source": source, "metadata": {}, "outputs": [],
             "execution_count": None,
@@ -80,6 +85,7 @@ def run(page: Any, number: int) -> None:
 
 def use(address: str, picture: Path, width: int, height: int, is_dark: bool) -> list[str]:
     """Use the widget by hand; return what was not as it should be."""
+    from playwright.sync_api import TimeoutError as TooLong
     from playwright.sync_api import sync_playwright
 
     wrong: list[str] = []
@@ -100,6 +106,7 @@ def use(address: str, picture: Path, width: int, height: int, is_dark: bool) -> 
         page.wait_for_function("window.jupyterapp")
         page.evaluate("jupyterapp.restored.then(() => true)")
         page.wait_for_selector(".jp-Notebook-ExecutionIndicator[data-status=idle]")
+        page.wait_for_timeout(6000)  # its outputs are listened to a little later
         if is_dark:
             page.evaluate(
                 "void jupyterapp.commands.execute('apputils:change-theme', {theme: 'JupyterLab Dark'})"
@@ -136,6 +143,15 @@ def use(address: str, picture: Path, width: int, height: int, is_dark: bool) -> 
         page.evaluate("document.querySelector('.jp-WindowedPanel-outer')?.scrollTo(0, 0)")
         page.wait_for_timeout(4000)
         page.screenshot(path=str(picture))
+
+        page.evaluate("void jupyterapp.commands.execute('kernelmenu:restart')")
+        page.click(".jp-Dialog button.jp-mod-accept")
+        lost = frame.locator("#lost:not([hidden])")
+        try:
+            lost.wait_for(timeout=60_000)
+            print("its kernel restarted:", lost.inner_text())
+        except TooLong:
+            wrong.append("the page does not say that its kernel is gone")
         browser.close()
     return wrong
 
@@ -152,7 +168,7 @@ def main() -> None:
         Path(folder, "studio.ipynb").write_text(notebook(), encoding="utf-8")
         with laboratory(Path(folder)) as address:
             wrong = use(address, given.picture, given.width, given.height, given.dark)
-    print("\n".join(wrong) or "nothing amiss")
+    print("\n".join(wrong) or "nothing amiss", flush=True)
     sys.exit(1 if wrong else 0)
 
 

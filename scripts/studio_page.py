@@ -1,6 +1,7 @@
 """Use the studio in a headless Chromium: how long a move takes to be drawn, and what the page looks like.
 
     python scripts/studio_page.py latency inoue-3 oval-classic     time from a slider's event to the drawn map
+    python scripts/studio_page.py latency inoue-3 --picture        the same while a picture is rendered
     python scripts/studio_page.py drag inoue-3 --seconds 600       random dragging: memory, and the last state
     python scripts/studio_page.py picture docs/studio.png          a screenshot
 
@@ -11,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import os
 import random
 import shutil
 import statistics
@@ -85,23 +87,28 @@ def ranges(page: Any) -> list[tuple[str, float, float]]:
     return found
 
 
-def latency(stones: list[str], moves: int) -> None:
-    """Print percentiles of the time from a slider's event to the drawn map."""
+def latency(stones: list[str], moves: int, with_picture: bool) -> None:
+    """Print percentiles of the time from a slider's event to the drawn map, with the load of the machine."""
     for stone in stones:
         with studio(stone) as (address, _), opened(address) as page:
             page.wait_for_selector(".push > .Average", timeout=120_000)  # what is compiled once is compiled
+            if with_picture:
+                page.click("#paint")
+                page.wait_for_selector(".picture[data-samples]", timeout=300_000)
             took = []
             for name, low, high in [of for of in ranges(page) if of[0].endswith(("angle", "table"))]:
                 start = float(page.input_value(f"#slider-{name}"))
                 step = 0.004 * (high - low)
                 for k in range(moves):
                     took.append(page.evaluate(MOVE, [name, start + step * ((k % 20) - 9.5)]))
-                    page.wait_for_timeout(20)  # a hand's events are apart, too
+                    # A hand's events are apart, too; after a rest the picture is at work again.
+                    page.wait_for_timeout(1000 if with_picture else 20)
                 page.evaluate(MOVE, [name, start])
             took.sort()
             print(
                 f"{stone}: {len(took)} moves, median {statistics.median(took):.0f} ms, "
-                f"95 % {took[int(0.95 * len(took))]:.0f} ms, most {took[-1]:.0f} ms"
+                f"95 % {took[int(0.95 * len(took))]:.0f} ms, most {took[-1]:.0f} ms; "
+                f"load {os.getloadavg()[0]:.1f}"
             )
 
 
@@ -160,11 +167,12 @@ def main() -> None:
     parser.add_argument("what", choices=("latency", "drag", "picture"))
     parser.add_argument("of", nargs="+", help="stones, or the file of the picture")
     parser.add_argument("--moves", type=int, default=40, help="moves of each slider")
+    parser.add_argument("--picture", action="store_true", help="latency while a picture is rendered")
     parser.add_argument("--seconds", type=float, default=600.0)
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
     if given.what == "latency":
-        latency(given.of, given.moves)
+        latency(given.of, given.moves, given.picture)
     elif given.what == "drag":
         drag(given.of[0], given.seconds, given.seed)
     else:

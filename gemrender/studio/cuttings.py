@@ -22,12 +22,12 @@ from gemrender.cuts.families.round_brilliant import Parameters as RoundParameter
 from gemrender.cuts.families.stated import read_values
 from gemrender.cuts.meets import WAYS, changeable
 from gemrender.cuts.round_brilliant import RoundBrilliant
-from gemrender.cuts.turning import Free, has_angle, parameter_name, tier_parameters, values_of
+from gemrender.cuts.turning import Free, parameter_name, tier_parameters, values_of
 from gemrender.errors import InputError
 from gemrender.stone import Stone
 from gemrender.studio.texts import asc_text, design_of_text, is_number, known_material
 
-__all__ = ["Opened", "Slider", "check_convex", "family_cutting", "opened", "stone_of"]
+__all__ = ["Opened", "Slider", "check_convex", "family_cutting", "opened", "present_values", "stone_of"]
 
 #: What laboratories call parameters, where that is not the name with blanks.
 _LABELS = {
@@ -51,6 +51,8 @@ _USUAL = {
 #: Others reach so far to either side of the family's own value, by unit; and steps of a slider.
 _REACH = {"deg": 8.0, "%": 15.0, "": 0.4}
 _STEP = {"deg": 0.05, "%": 0.1, "": 0.005}
+#: Sliders of distances reach so far to either side [share of the largest].
+_NEAR = 0.05
 #: Longest text of a design [characters], and most values of a cutting.
 MOST_TEXT, MOST_VALUES = 200_000, 400
 
@@ -242,18 +244,52 @@ def _design_cut(stone: Stone, design: Design) -> dict[str, Any]:
 
 
 def _design_sliders(stone: Stone, design: Design) -> list[Slider]:
-    """Return a slider for each tier's angle; its own sign is that of the file, below the girdle negative."""
+    """Return sliders for each tier's angle and distance."""
     number = {name: k for k, name in enumerate(design.facet_names())}
+    widest = float(values_of(design)[1].max())
     out = []
     for tier, quantity in tier_parameters(design, (number[facet.name] for facet in stone.facets)):
-        if quantity != "angle_deg":
-            continue
-        name, value = parameter_name(design, tier, quantity), abs(float(values_of(design)[0][tier]))
-        reach = _reach("", value, value, "deg", 0.1, LARGEST_ANGLE - 0.1)
-        label = design.tier_names()[tier]
-        group = "Crown" if design.tiers[tier].is_crown else "Pavilion"
-        out.append(Slider(name=name, label=label, unit="deg", value=value, group=group, **reach))
+        value, label = _shown(design, tier, quantity), design.tier_names()[tier]
+        unit = "deg" if quantity == "angle_deg" else ""
+        if unit:
+            reach = _reach("", value, value, unit, 0.1, LARGEST_ANGLE - 0.1)
+        else:
+            label += " distance"
+            reach = {
+                "low": round(max(value - _NEAR * widest, 0.0), 3),
+                "high": round(value + _NEAR * widest, 3),
+                "step": 0.001,
+                "least": 0.0,
+                "most": 4.0 * widest,
+            }
+        name = parameter_name(design, tier, quantity)
+        out.append(
+            Slider(name=name, label=label, unit=unit, value=value, group=_group(design, tier), **reach)
+        )
     return out
+
+
+def _group(design: Design, tier: int) -> str:
+    if abs(float(values_of(design)[0][tier])) >= LARGEST_ANGLE:
+        return "Girdle"
+    return "Crown" if design.tiers[tier].is_crown else "Pavilion"
+
+
+def _shown(design: Design, tier: int, quantity: str) -> float:
+    """Return a tier's angle or distance; angles have the file's own sign, below the girdle negative."""
+    angles, distances = values_of(design)
+    return abs(float(angles[tier])) if quantity == "angle_deg" else float(distances[tier])
+
+
+def present_values(stone: Stone) -> dict[str, float]:
+    """Return angles and distances that the tiers of a design have by now: some follow others."""
+    if not isinstance(stone.cut, Design):
+        return {}
+    design, every = stone.cut, range(len(stone.cut.facet_tiers))
+    return {
+        parameter_name(design, tier, quantity): _shown(design, tier, quantity)
+        for tier, quantity in tier_parameters(design, every)
+    }
 
 
 # ---- Making --------------------------------------------------------------------------------------------
@@ -305,7 +341,7 @@ def stone_of(
 
 
 def _turned(cut: Mapping[str, Any], values: Mapping[str, Any]) -> Design:
-    """Return a design with the angles of some tiers changed, its meets kept or not."""
+    """Return a design with angles and distances of some tiers changed, its meets kept or not."""
     text, meets = cut["design"], cut.get("meets", "loose")
     if not isinstance(text, str) or len(text) > MOST_TEXT:
         raise InputError(f"must be text of at most {MOST_TEXT} characters", key="design")
@@ -314,17 +350,15 @@ def _turned(cut: Mapping[str, Any], values: Mapping[str, Any]) -> Design:
     if not values:
         return design_of_text(text)
     ways = _ways(text, str(meets))
-    tiers = {
-        parameter_name(ways.design, tier, "angle_deg"): tier
-        for tier in range(len(ways.design.tiers))
-        if has_angle(ways.design, tier)
-    }
+    every = range(len(ways.design.facet_tiers))
+    known = {parameter_name(ways.design, *of): of for of in tier_parameters(ways.design, every)}
     changes: dict[Any, float] = {}
     for name, value in values.items():
-        if name not in tiers or not is_number(value):
-            raise InputError("must be an angle of a tier", key=str(name)[:40], value=value)
-        sign = 1.0 if ways.design.tiers[tiers[name]].is_crown else -1.0
-        changes[tiers[name], "angle_deg"] = sign * float(value)
+        if name not in known or not is_number(value):
+            raise InputError("must be an angle or a distance of a tier", key=str(name)[:40], value=value)
+        tier, quantity = known[name]
+        sign = -1.0 if quantity == "angle_deg" and not ways.design.tiers[tier].is_crown else 1.0
+        changes[tier, quantity] = sign * float(value)
     return ways.changed(changes)
 
 

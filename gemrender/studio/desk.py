@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import threading
 from collections.abc import Callable, Mapping, Sequence
+from importlib.util import find_spec
 from typing import Any
 
 from gemrender.cuts import bundled_stones, load_stone
@@ -79,6 +80,7 @@ class Desk:
             "materials": material_names(),
             "kinds": SAVED_KINDS,
             "setups": bundled_setups(),
+            "hasDenoiser": find_spec("mitsuba_oidn") is not None,
             "measures": [
                 {
                     "name": of.name,

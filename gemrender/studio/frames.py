@@ -23,7 +23,7 @@ from gemrender.scene.setup import bundled_setups
 from gemrender.scoring import Score, score_measurement
 from gemrender.stone import Stone, tessellate
 from gemrender.stone.facets import CROWN, GIRDLE, PAVILION
-from gemrender.studio.cuttings import stone_of
+from gemrender.studio.cuttings import present_values, stone_of
 from gemrender.studio.texts import is_number
 
 __all__ = ["MOVING", "RESTING", "Effort", "Wanted", "frame", "images_of", "measured_values", "traced"]
@@ -67,6 +67,8 @@ class Wanted:
         Further measures, by name.
     picture : str or None
         Name of the bundled set-up that a picture is rendered in; None for no picture.
+    denoise : bool
+        Whether the picture is shown after the denoiser.
     """
 
     number: int
@@ -79,6 +81,7 @@ class Wanted:
     head: float = 10.0
     measures: tuple[str, ...] = ()
     picture: str | None = None
+    denoise: bool = False
 
     @classmethod
     def of(cls, told: Mapping[str, Any]) -> Wanted:
@@ -102,7 +105,7 @@ class Wanted:
             if not is_number(given) or not low <= float(given) <= high:  # type: ignore[arg-type]
                 raise InputError(f"must be a number from {low:g} to {high:g}", key=key, value=given)
             numbers[key] = float(given)  # type: ignore[arg-type]
-        measures = told.get("measures") or []
+        picture, measures = told.get("picture"), told.get("measures") or []
         if not isinstance(measures, list) or not all(isinstance(name, str) for name in measures):
             raise InputError("must be a list of names", key="measures")
         return cls(
@@ -115,7 +118,8 @@ class Wanted:
             azimuth=numbers["azimuth"],
             head=check_head(numbers["head"]),
             measures=tuple(measures[:20]),
-            picture=_setup_of(told.get("picture")),
+            picture=_setup_of(picture),
+            denoise=isinstance(picture, Mapping) and picture.get("denoise") is True,
         )
 
     def stone(self, shelf: Mapping[str, Stone]) -> Stone:
@@ -171,6 +175,7 @@ def frame(
         "type": "frame",
         "number": wanted.number,
         "name": stone.name,
+        "values": present_values(stone),
         "unit": length_unit(stone),
         "view": {"basis": view.basis().tolist(), "tilt": wanted.tilt, "azimuth": wanted.azimuth},
         "halfWidth": view.half_width,

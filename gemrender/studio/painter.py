@@ -16,7 +16,7 @@ import sys
 import threading
 import time
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import IO, TYPE_CHECKING, Any, NamedTuple
 
 from gemrender.errors import GemrenderError, GemrenderWarning
@@ -29,11 +29,12 @@ __all__ = ["Job", "main"]
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """A stone in a set-up, to be pictured; `key` comes back with its pictures."""
+    """A stone in a set-up, to be pictured, denoised or not; `key` comes back with its pictures."""
 
     key: int
     stone: Stone
     setup: str
+    denoise: bool = False
 
 
 class _Stage(NamedTuple):
@@ -114,9 +115,12 @@ def main() -> None:
 
 def _paint(job: Job, orders: _Orders, answers: IO[bytes]) -> None:
     """Tell pictures of a job, until the last one or another job is wanted."""
+    from gemrender.render.photoreal import require_denoiser
     from gemrender.render.picture import Picture
     from gemrender.render.shots import prepare
 
+    if job.denoise:
+        require_denoiser()
     for stage in _STAGES:
         last = time.monotonic()
         is_last = stage is _STAGES[-1]
@@ -150,7 +154,7 @@ def _least_rays() -> int:
 def _told(job: Job, picture: Any, share: float, is_done: bool) -> dict[str, Any]:
     return {
         "key": job.key,
-        "png": picture._repr_png_(),
+        "png": (replace(picture, noisy=picture) if job.denoise else picture)._repr_png_(),
         "title": picture.title,
         "samples": picture.samples,
         "noise": float(picture.noise),

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+import base64
+import queue
 import threading
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
+import numpy as np
 import pytest
 from browser_help import CHROMIUM, CONTRASTS, FLAGS, LEAST_CONTRAST
+from echo_painter import echoing
 
 import gemrender
+from gemrender.render.picture_files import png_bytes
+from gemrender.studio.assets import WIDGET, embedded_page, files
 from gemrender.studio.desk import Desk
 from gemrender.studio.serve import listen
+from gemrender.studio.session import Session
 from gemrender.studio.texts import saved
 
 pytest.importorskip("uvicorn")
@@ -118,6 +125,13 @@ def test_the_page_is_used_by_hand_and_by_keys_and_outlives_its_server(browser):
         page.set_input_files("#file", {"name": "mine.asc", "mimeType": "text/plain", "buffer": design})
         until(page, "document.getElementById('name').value === 'mine'")
         number = drawn(page, number)
+        # Of a design's tier the distance goes with an angle that turns, and its slider says so.
+        angle = page.locator("#sliders input[id$=angle]").last.get_attribute("id")
+        distance = f"#{angle.replace('angle', 'distance')}"
+        before = page.input_value(distance)
+        page.press(f"#{angle}", "PageUp")
+        number = drawn(page, number)
+        until(page, f"document.querySelector('{distance}').value !== '{before}'")
         page.click("#save summary")
         with page.expect_download() as download:
             page.click("#save [data-kind=asc]")
@@ -145,3 +159,123 @@ def test_the_page_is_used_by_hand_and_by_keys_and_outlives_its_server(browser):
         page.press("#tilt", "ArrowRight")
         drawn(page, int(before))
     context.close()
+
+
+def test_a_picture_is_shown_saved_and_faded_while_something_moves(browser, monkeypatch):
+    png = png_bytes(np.full((8, 8, 3), 200, dtype=np.uint8))
+    begun = echoing(monkeypatch, png)
+    context = browser.new_context(viewport={"width": 1400, "height": 900}, accept_downloads=True)
+    context.set_default_timeout(PATIENCE)
+    page, errors = context.new_page(), []
+    page.on("console", lambda message: message.type == "error" and errors.append(message.text))
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    with running() as port:
+        page.goto(f"http://127.0.0.1:{port}/{TOKEN}/")
+        drawn(page)
+        assert not begun  # none is rendered before it is asked for
+        page.select_option("#setup", "fire")
+        page.wait_for_selector(".picture:not(.stale) img:not([hidden])")
+        assert page.evaluate("document.querySelector('.picture img').naturalWidth") == 8
+        assert "set-up fire: 4 samples a pixel, denoised" in page.get_attribute(".picture img", "alt")
+        with page.expect_download() as download:
+            page.click("#keep-picture")
+        assert download.value.path().read_bytes() == png
+        assert download.value.suggested_filename == "Inoue-sample-3-fire.png"
+
+        page.press("#slider-pavilion_angle", "ArrowRight")
+        page.wait_for_selector(".picture.stale")
+        page.wait_for_selector(".picture:not(.stale)")
+        page.select_option("#setup", "velvet")
+        page.wait_for_selector(".picture .refused:not([hidden])")
+        assert page.inner_text(".picture .refused").endswith("ended by exit status 3")
+        page.click("#paint")
+        page.wait_for_selector(".picture img", state="hidden")
+        page.click("#undo")  # a picture that is wanted is a step of the history, and part of the link
+        assert page.get_attribute("#paint", "aria-pressed") == "true"
+        assert not errors
+    context.close()
+    assert all(process.wait(60) is not None for process in begun)
+
+
+#: What stands for a notebook: the widget's script with a model whose messages go to the test.
+NOTEBOOK = """
+async ([script]) => {
+    const blob = new Blob([script], { type: 'text/javascript' });
+    const { default: { render } } = await import(URL.createObjectURL(blob));
+    const heard = {};
+    const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+    const model = {
+        get: () => 600, on: (name, hear) => { heard[name] = hear; }, off: () => {},
+        send: (content, _, [buffer] = []) => toKernel(content, buffer ? [...new Uint8Array(buffer)] : null),
+    };
+    window.fromKernel = (content, text) => heard['msg:custom'](content, [new DataView(bytes(text).buffer)]);
+    window.lose = () => heard['comm:close']();
+    const el = document.body.appendChild(document.createElement('div'));
+    window.end = render({ model, el });
+}
+"""
+
+
+def test_the_page_runs_in_a_notebooks_frame_and_reaches_nothing_of_it(browser):
+    context = browser.new_context(viewport={"width": 1000, "height": 700})
+    page, errors, asked, sent = context.new_page(), [], [], queue.Queue()
+    page.on("console", lambda message: message.type == "error" and errors.append(message.text))
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.on("request", lambda request: asked.append(request.url))
+    desk, heard = Desk([gemrender.load_stone("inoue-3")]), []
+    session = Session(desk, sent.put)
+    page.expose_function("toKernel", lambda content, data: heard.append((content, data)))
+
+    def is_so(expression):
+        with suppress(playwright.Error):  # the frame has only now got its page
+            return len(page.frames) > 1 and page.frames[1].evaluate(expression)
+
+    def until_in_frame(expression):
+        """Hand messages on, both ways, until something is so in the frame."""
+        end = time.monotonic() + PATIENCE / 1000
+        while not is_so(expression):
+            assert time.monotonic() < end, (expression, errors)
+            while heard:
+                content, data = heard.pop(0)
+                if content["type"] == "begin":
+                    deliver({**content, "type": "page"}, embedded_page(desk.told()))
+                elif content["type"] == "message":
+                    session.take(content.get("text") or bytes(data))
+                views.add(content["view"])
+            while not sent.empty():
+                deliver({"view": next(iter(views)), "type": "message"}, sent.get())
+            page.wait_for_timeout(20)
+
+    def deliver(content, message):
+        page.evaluate(
+            "([content, text]) => fromKernel(content, text)", [content, base64.b64encode(message).decode()]
+        )
+
+    views = set()
+    try:
+        page.goto("about:blank")
+        page.evaluate(NOTEBOOK, [files()[WIDGET][1].decode()])
+        until_in_frame("Number(document.documentElement.dataset.drawn ?? 0) > 0")
+        frame = page.frames[1]
+        assert frame.inner_text(".headline .average").startswith("60.40")
+        frame.press("#slider-pavilion_angle", "ArrowRight")
+        until_in_frame("Number(document.documentElement.dataset.drawn) > 1")
+        assert not frame.inner_text(".headline .average").startswith("60.40")
+        # Of another origin than the notebook: its page, its cookies, and the network are out of reach.
+        blocked = "(() => { try { return parent.document.title; } catch (error) { return error.name; } })()"
+        assert frame.evaluate(blocked) == "SecurityError"
+        reached = "fetch('http://127.0.0.1:9/').then(() => 'reached', () => 'refused')"
+        assert frame.evaluate(reached) == "refused"
+        assert any("Content Security Policy" in error for error in errors)
+        assert all("Content Security Policy" in error and "127.0.0.1:9" in error for error in errors), errors
+        assert not frame.locator("#save [data-kind=link]").count()
+        page.evaluate("lose()")
+        until_in_frame("!document.getElementById('lost').hidden")
+        assert "kernel" in frame.inner_text("#lost")
+        page.evaluate("end()")
+        page.wait_for_timeout(50)
+        assert heard[-1][0]["type"] == "end"
+        assert all(url.startswith(("blob:", "data:", "about:")) for url in asked), asked
+    finally:
+        session.close(wait=60)
+        context.close()

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import io
+import pickle
 import queue
 import subprocess
 import sys
 import threading
 
 import pytest
+from echo_painter import echoing
 from PIL import Image
 from refusals import refused
 from test_studio_session import read, told
 
-from gemrender.studio import pictures
+import gemrender
+from gemrender.studio import painter
 from gemrender.studio.frames import Wanted
 from gemrender.studio.painter import Job, _Orders
 from gemrender.studio.pictures import Pictures
@@ -22,19 +25,6 @@ from gemrender.studio.pictures import Pictures
 PATIENCE = 240.0
 #: Nothing comes for so long [s].
 SILENCE = 0.3
-
-#: What stands for the process: it answers each order to paint with the set-up's name as its picture, twice.
-ECHO = """
-import pickle, sys
-while True:
-    order, job = pickle.load(sys.stdin.buffer)
-    if order == "paint" and job.setup == "velvet":
-        sys.exit(3)
-    for _ in range(2 if order == "paint" else 0):
-        facts = {"title": job.stone.name, "samples": 4, "noise": float("inf"), "share": 0.5, "isDone": False}
-        pickle.dump({"key": job.key, "png": job.setup.encode(), **facts}, sys.stdout.buffer)
-    sys.stdout.buffer.flush()
-"""
 
 
 def wanted(number=1, setup="studio", **changes):
@@ -56,16 +46,7 @@ def made(sent):
 
 @pytest.fixture
 def echoed(made, monkeypatch):
-    begun = []
-
-    def start(command, **options):
-        assert command[-1] == "gemrender.studio.painter"
-        begun.append(popen([sys.executable, "-c", ECHO], **options))
-        return begun[-1]
-
-    popen = subprocess.Popen
-    monkeypatch.setattr(pictures.subprocess, "Popen", start)
-    return begun
+    return echoing(monkeypatch)
 
 
 def rest(of, state):
@@ -93,8 +74,8 @@ def test_the_same_scene_goes_on_and_is_shown_again_under_the_new_states_number(m
     assert arrays["png"].tobytes() == b"studio"
     with pytest.raises(queue.Empty):
         heard(sent, SILENCE)  # and it was not begun anew
-    rest(made, wanted(3, "dark"))
-    assert heard(sent)[1]["png"].tobytes() == b"dark"
+    rest(made, wanted(3, "sun"))
+    assert heard(sent)[1]["png"].tobytes() == b"sun"
     assert len(echoed) == 1
 
 
@@ -127,7 +108,7 @@ def test_a_process_that_is_lost_is_told_in_a_line_and_the_next_scene_begins_anot
 
 
 def test_a_job_that_is_paused_waits_and_one_that_is_replaced_ends():
-    orders, (first, second) = _Orders(), (Job(1, None, "studio"), Job(2, None, "dark"))
+    orders, (first, second) = _Orders(), (Job(1, None, "studio"), Job(2, None, "sun"))
     orders._job = first
     assert orders.next() is first
     assert orders.go_on(first)
@@ -142,17 +123,33 @@ def test_a_job_that_is_paused_waits_and_one_that_is_replaced_ends():
     assert answers.get(timeout=PATIENCE) is False
 
 
-def test_the_real_process_renders_the_stone_and_tells_what_cannot_be(made, sent):
-    rest(made, wanted(1))
-    header, arrays = heard(sent)
-    assert header["type"] == "picture", header
-    assert header["samples"] == 8
-    assert header["noise"] > 0
-    with Image.open(io.BytesIO(arrays["png"].tobytes())) as image:
-        assert image.size == (128, 128)
-        assert "diamond" in image.text["Title"]
-    rest(made, wanted(2, size_mm=9000.0))
-    while (header := heard(sent)[0])["type"] != "unpictured":
-        pass
-    assert header["number"] == 2
+def test_the_real_process_ends_where_there_is_nobody_to_work_for():
+    command = [sys.executable, "-m", "gemrender.studio.painter"]
+    done = subprocess.run(command, input=b"", capture_output=True, timeout=PATIENCE, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, b"", b"")
+
+
+def test_the_real_process_tells_what_cannot_be_rendered(made, sent):
+    rest(made, wanted(2, material=9.5))
+    header, _ = heard(sent)
+    assert (header["type"], header["number"]) == ("unpictured", 2)
+    assert "must be a number from 1.05 to 4" in header["why"]
     assert "\n" not in header["why"]
+
+
+def test_a_picture_is_coarse_first_and_then_refines_until_it_is_done(monkeypatch):
+    monkeypatch.setattr(painter, "_STAGES", (painter._Stage(8, 2), painter._Stage(16, 4)))
+    monkeypatch.setattr(painter, "_APART", float("inf"))  # each one's end only, however long it takes
+    orders, answers = _Orders(), io.BytesIO()
+    orders._job = job = Job(7, gemrender.load_stone("inoue-3"), "studio")
+    painter._paint(job, orders, answers)
+    answers.seek(0)
+    told = [pickle.load(answers) for _ in range(2)]
+    assert [of["samples"] for of in told] == [2, 4]
+    assert [of["isDone"] for of in told] == [False, True]
+    assert [of["key"] for of in told] == [7, 7]
+    assert not answers.read()
+    for of, side in zip(told, (8, 16), strict=True):
+        with Image.open(io.BytesIO(of["png"])) as image:
+            assert image.size == (side, side)
+            assert "diamond" in image.text["Title"]

@@ -93,7 +93,7 @@ def test_without_the_token_nothing_is_served(client, path):
     [
         "assets/../app.py", "assets/..%2fapp.py", "assets/%2e%2e%2f%2e%2e%2fcli%2fstudio.py",
         "assets//etc/passwd", "assets/%2fetc%2fpasswd", "assets/app.py", "assets/", "../app.py",
-        "assets/main.js/..", "assets/index.html",
+        "assets/main.js/..", "assets/index.html", "assets/widget.js",
     ],
 )  # fmt: skip
 def test_no_path_leads_out_of_the_pages_own_files(client, path):

@@ -13,7 +13,7 @@ from solids import star_prism
 
 import gemrender
 from gemrender.cuts.families import families
-from gemrender.studio.cuttings import family_cutting, opened, stone_of
+from gemrender.studio.cuttings import family_cutting, opened, present_values, stone_of
 from gemrender.studio.desk import Desk
 from gemrender.studio.frames import MOVING, RESTING, Wanted, frame
 from gemrender.studio.live import Live
@@ -77,12 +77,34 @@ def test_every_family_can_be_begun_with_and_its_values_lie_on_its_sliders(family
 def test_a_designs_tier_turns_whatever_becomes_of_its_meets(meets):
     (stone,) = dropped_stones("t.asc", saved(gemrender.load_stone("trilliant-solitaire"), "asc"))
     of = opened(stone, "")
-    slider = next(each for each in of.sliders if each.group == "Pavilion")
+    slider = next(each for each in of.sliders if each.group == "Pavilion" and each.unit)
     cut = {**of.cut, "meets": meets, "values": {slider.name: slider.value + 0.2}}
     made = stone_of(cut, {}, "turned", None)
     assert len(made.facets) == len(stone.facets)
     angles = np.degrees(np.arccos(np.abs(made.facet_normals[:, 2])))
     assert np.isclose(angles, slider.value + 0.2, atol=1e-6).any()
+
+
+def test_a_tiers_distance_is_its_own_and_an_angle_that_turns_takes_it_along():
+    (stone,) = dropped_stones("t.asc", saved(gemrender.load_stone("trilliant-solitaire"), "asc"))
+    of = opened(stone, "")
+    sliders = {slider.name: slider for slider in of.sliders}
+    assert present_values(stone) == {name: slider.value for name, slider in sliders.items()}
+    angle = next(name for name, slider in sliders.items() if slider.group == "Pavilion" and slider.unit)
+    distance = angle.replace(" angle", " distance")
+    assert {"Crown", "Girdle", "Pavilion"} == {slider.group for slider in of.sliders}
+
+    def values(meets, **changed):
+        return present_values(stone_of({**of.cut, "meets": meets, "values": changed}, {}, "changed", None))
+
+    wanted = sliders[distance].value - 0.01
+    moved = values("free", **{distance: wanted})
+    assert moved == {**present_values(stone), distance: wanted}
+    turned = values("loose", **{angle: sliders[angle].value + 0.5})
+    assert abs(turned[distance] - sliders[distance].value) > SAME
+    both = values("loose", **{angle: sliders[angle].value + 0.5, distance: wanted})
+    assert both[distance] == wanted
+    refused(lambda: values("free", **{distance: -0.1}), "distance")
 
 
 def test_a_stone_that_is_not_convex_is_not_opened():

@@ -5,8 +5,9 @@ import { announce, byId, data, element, find, hear, number, tip } from './shared
 import { Around } from './around.js';
 import { Curve } from './curve.js';
 import { FacetMap } from './facetmap.js';
-import { download, fillSaveMenu, listenForFiles, listenToMenus } from './files.js';
+import { download, fillSaveMenu, listenToMenus } from './files.js';
 import { MODES } from './modes.js';
+import { Opening } from './opening.js';
 import { Picture } from './picture.js';
 import { Profile } from './profile.js';
 import { Scores } from './scores.js';
@@ -40,8 +41,7 @@ const picture = new Picture(find(document, '.picture'), (wanted) =>
     store.set({ picture: wanted }, wanted ? `Picture in the set-up ${wanted.setup}` : 'No picture'));
 let frame = null;
 let held = null;
-let pending = null; // words of what is being opened
-const asked = new Map(); // what a link waits for
+let present = {}; // of a design, what its tiers have by now
 
 const isCurrent = (message) => message.number === store.state?.number;
 
@@ -57,7 +57,7 @@ const wire = new Wire({
         byId('lost').hidden = true;
         document.body.classList.remove('lost');
         if (store.state) wire.want(store.state);
-        else begin();
+        else opening.begin();
         if (wasLost) announce('The server is back.');
     },
     theme(isDark) {
@@ -69,18 +69,20 @@ const wire = new Wire({
         solid.setFrame(frame); // traces the ray that the map shows
         map.setFrame(frame);
         scores.show(frame.score, store.baseline?.score);
-        if (isCurrent(message)) find(document, '.view .busy').hidden = frame.isSettled;
+        if (!isCurrent(message)) return;
+        find(document, '.view .busy').hidden = frame.isSettled;
+        present = frame.values;
+        if (store.state.cut.design) showValues();
     },
     refused({ why }) {
         refuse(why);
     },
     failed({ why, of }) {
-        pending = null;
         refuse(why);
-        if (of === 'open' && !store.state) wire.ask({ type: 'open', bundled: 'inoue-3' });
+        opening.failed(of);
     },
     opened({ stones }) {
-        take(stones);
+        opening.take(stones);
     },
     saved({ name, arrays }) {
         download(name, [arrays.file], 'application/octet-stream');
@@ -112,16 +114,24 @@ const wire = new Wire({
     },
 });
 
+const opening = new Opening(store, {
+    ask: (message) => wire.ask(message),
+    send: (header, bytes) => wire.send(header, bytes),
+    refuse,
+    rebase: askBaseline,
+});
+
 // ---- The state ----
 
 function changed(state, isOther) {
     if (isOther) {
+        present = {};
         sliders.fill(store.sliders, valuesOf(state));
         scores.choose(state.measures);
         profile.root.hidden = !('pavilion_angle' in valuesOf(state));
         around.root.hidden = !('crown_angle' in valuesOf(state) && 'pavilion_angle' in valuesOf(state));
     }
-    sliders.show(shownValues(state), store.baseline && shownValues(store.baseline.state));
+    showValues();
     sliders.fade();
     sliders.clearCliffs();
     scores.fade();
@@ -141,11 +151,15 @@ function changed(state, isOther) {
 
 const valuesOf = (state) => state.cut.values ?? {};
 
-/** The values on the sliders: of a design the file's own where they have not been changed. */
-function shownValues(state) {
+/** The values on the sliders: of a design those that its tiers have by now, the file's own before they are known. */
+function shownValues(state, values = {}) {
     if (!state.cut.design) return valuesOf(state);
     const own = Object.fromEntries(store.sliders.map((slider) => [slider.name, slider.value]));
-    return { ...own, ...valuesOf(state) };
+    return { ...own, ...values, ...valuesOf(state) };
+}
+
+function showValues() {
+    sliders.show(shownValues(store.state, present), store.baseline && shownValues(store.baseline.state));
 }
 
 function moved(name, value, words) {
@@ -178,80 +192,7 @@ function drawn(of) {
     });
 }
 
-// ---- Opening ----
-
-const begun = (opened) => ({
-    cut: opened.cut, name: opened.name, material: opened.material, size_mm: opened.size_mm,
-    view: { tilt: 0, azimuth: 0 }, head: store.state?.head ?? 10, measures: store.state?.measures ?? [],
-    mode: store.state?.mode ?? 'intensity', picture: store.state?.picture ?? null,
-});
-
-/** The state of a link, as far as the page itself relies on it; the server checks the rest. */
-function checked(state, plain) {
-    const isNumber = (value) => typeof value === 'number' && Number.isFinite(value);
-    const { number: _, ...out } = { ...plain, ...state, cut: { ...state.cut, values: { ...state.cut.values } } };
-    if (!(out.mode in MODES)) out.mode = plain.mode;
-    if (!isNumber(out.view?.tilt) || !isNumber(out.view?.azimuth)) out.view = plain.view;
-    if (!isNumber(out.head)) out.head = plain.head;
-    if (!Array.isArray(out.measures)) out.measures = [];
-    if (!data.setups.includes(out.picture?.setup)) out.picture = null;
-    out.name = String(out.name).slice(0, 100);
-    return out;
-}
-
-async function begin() {
-    const link = await Store.readLink();
-    if (link) {
-        asked.set('link', link);
-        wire.ask({ type: 'open', cut: link.state.cut, name: link.state.name, material: link.state.material });
-    } else if (data.shelf.length) wire.ask({ type: 'open', key: data.shelf[0].key });
-    else wire.ask({ type: 'open', bundled: 'inoue-3' });
-}
-
-function take(stones) {
-    const [first] = stones;
-    if (stones.length > 1) {
-        const group = element('optgroup', { label: pending ?? 'File' });
-        stones.forEach((of, i) => {
-            const key = `dropped ${pending} ${i}`;
-            dropped.set(key, of);
-            group.append(element('option', { value: key }, of.name));
-        });
-        byId('stones').prepend(group);
-        byId('stones').value = group.firstChild.value;
-    }
-    const link = asked.get('link');
-    asked.delete('link');
-    if (link) {
-        store.open(checked(link.state, begun(first)), first.sliders, 'Link');
-        if (link.baseline) askBaseline(link.baseline);
-        return;
-    }
-    store.open(begun(first), first.sliders, `Open ${first.name}`);
-    pending = null;
-}
-
-const dropped = new Map();
-
-function fillStones() {
-    const option = (value, text) => element('option', { value }, text);
-    const group = (label, options) => element('optgroup', { label }, ...options);
-    const box = byId('stones');
-    if (data.shelf.length) box.append(group('Opened', data.shelf.map(({ key, name }) => option(`key ${key}`, name))));
-    box.append(
-        group('New', data.families.map((name) => option(`family ${name}`, name))),
-        group('Bundled', data.bundled.map((name) => option(`bundled ${name}`, name))),
-    );
-    box.addEventListener('change', () => {
-        if (dropped.has(box.value)) {
-            take([dropped.get(box.value)]);
-            return;
-        }
-        const [, kind, name] = box.value.match(/^(\w+) (.*)$/);
-        wire.ask({ type: 'open', [kind]: name });
-    });
-    box.append(element('option', { value: 'other', hidden: true }, 'Other'));
-}
+// ---- Material ----
 
 function materialKey(material) {
     if (material === null || material === undefined) return 'diamond';
@@ -344,7 +285,7 @@ function setBaseline(baseline) {
     for (const id of ['swap', 'drop', 'baseline']) byId(id).hidden = !baseline;
     if (baseline) byId('baseline').textContent = `Baseline: ${baseline.name}, Average ${number(baseline.score.average, 2)}, Rear ${number(baseline.score.rear, 2)}`;
     curve.keep(Boolean(baseline));
-    sliders.show(shownValues(store.state), baseline && shownValues(baseline.state));
+    showValues();
     if (frame) scores.show(frame.score, baseline?.score);
 }
 
@@ -439,17 +380,10 @@ function listenToPage() {
         store.set({ cut: { ...store.state.cut, meets } }, `Meets ${meets}`);
     });
     document.addEventListener('scroll', () => tip.hide(), { passive: true });
-    window.addEventListener('hashchange', async () => {
-        const link = await Store.readLink();
-        if (!link) return;
-        asked.set('link', link);
-        wire.ask({ type: 'open', cut: link.state.cut, name: link.state.name, material: link.state.material });
-    });
     byId('generator').textContent = `${data.generator}. The map is made of exact virtual facets; the ray is traced in this page, in double precision. The stone is drawn by three.js (MIT licence).`;
 }
 
 hear.choose = (point) => solid.choose(point);
-fillStones();
 fillMaterials();
 fillModes();
 fillSaveMenu(save);
@@ -457,12 +391,5 @@ listenToTilt();
 listenToHistory();
 listenToMenus();
 listenToPage();
-listenForFiles(
-    (name, bytes) => {
-        pending = name;
-        wire.send({ type: 'drop', name }, bytes);
-    },
-    refuse,
-);
 solid.point = { x: 0.28, y: 0.16 };
 document.documentElement.dataset.ready = 'true';

@@ -7,15 +7,18 @@ import { download } from './files.js';
 const FIRST = 'studio';
 
 export class Picture {
-    /** `asked` is called with {setup} where a picture is wanted, else with null. */
+    /** `asked` is called with {setup, denoise} where a picture is wanted, else with null. */
     constructor(root, asked) {
-        Object.assign(this, { root, asked, box: byId('setup'), button: byId('paint'), image: find(root, 'img') });
+        Object.assign(this, { root, asked, box: byId('setup'), button: byId('paint'), denoise: byId('denoise'), image: find(root, 'img') });
         this.png = null;
         this.isWanted = false;
         this.box.append(...data.setups.map((value) => element('option', { value }, value)));
         this.box.value = FIRST;
-        this.box.addEventListener('change', () => this.asked({ setup: this.box.value }));
-        this.button.addEventListener('click', () => this.asked(this.isWanted ? null : { setup: this.box.value }));
+        this.denoise.checked = data.hasDenoiser;
+        const chosen = () => ({ setup: this.box.value, denoise: this.denoise.checked });
+        this.box.addEventListener('change', () => this.asked(chosen()));
+        this.denoise.addEventListener('change', () => this.isWanted && this.asked(chosen()));
+        this.button.addEventListener('click', () => this.asked(this.isWanted ? null : chosen()));
         byId('keep-picture').addEventListener('click', () => this.save());
     }
 
@@ -23,7 +26,7 @@ export class Picture {
     show(wanted, name) {
         this.isWanted = Boolean(wanted);
         this.name = name;
-        if (wanted) this.box.value = wanted.setup;
+        if (wanted) [this.box.value, this.denoise.checked] = [wanted.setup, Boolean(wanted.denoise)];
         this.button.setAttribute('aria-pressed', String(this.isWanted));
         this.image.hidden = !this.isWanted || !this.png;
         this.root.classList.add('stale');
@@ -44,7 +47,7 @@ export class Picture {
         progress.hidden = isDone;
         progress.value = share;
         const within = noise === null ? '' : `, noise ${number(100 * noise, noise < 0.1 ? 1 : 0)} %`;
-        const facts = `${title}, set-up ${this.box.value}: ${samples} samples a pixel${within}`;
+        const facts = `${title}, set-up ${this.box.value}: ${samples} samples a pixel${within}${this.denoise.checked ? ', denoised' : ''}`;
         this.image.alt = facts;
         this.tell(`${facts}.`);
         this.root.dataset.samples = String(samples);

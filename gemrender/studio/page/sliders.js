@@ -100,10 +100,12 @@ export class Sliders {
             if (Number(row.range.value) !== value) row.range.value = value;
             if (document.activeElement !== row.box || row.shown !== value)
                 row.box.value = Number(value.toFixed(DECIMALS[row.slider.unit]));
-            row.shown = value;
-            row.range.setAttribute('aria-valuetext', `${number(value, DECIMALS[row.slider.unit])} ${{ deg: 'degrees', '%': 'per cent', '': '' }[row.slider.unit]}`);
             const before = baseline && this.valueOf(baseline, name);
-            row.before = typeof before === 'number' ? before : null;
+            const marked = typeof before === 'number' ? before : null;
+            if (row.shown === value && row.before === marked) continue; // a design has many, and few move
+            row.shown = value;
+            row.before = marked;
+            row.range.setAttribute('aria-valuetext', `${number(value, DECIMALS[row.slider.unit])} ${{ deg: 'degrees', '%': 'per cent', '': '' }[row.slider.unit]}`);
             this.mark(row);
         }
     }
@@ -116,16 +118,20 @@ export class Sliders {
     /** What a unit of each does to Average and Rear. */
     setSlopes(slopes) {
         this.root.classList.remove('stale');
-        const largest = Math.max(...Object.values(slopes).map(({ average }) => Math.abs(average)), 1e-9);
-        for (const [name, row] of this.rows) {
-            if (row.isChoice) continue;
-            const of = slopes[name] ?? slopes[name.replace('.', '_')];
-            row.push.replaceChildren(...(of ? pushed(of, row.slider, largest) : []));
+        const of = (name) => slopes[name] ?? slopes[name.replace('.', '_')];
+        const rows = [...this.rows].filter(([, row]) => !row.isChoice).map(([name, row]) => [of(name), row]);
+        const largest = Math.max(...rows.map(([slope, { slider }]) => Math.abs(pushOf(slider) * (slope?.average ?? 0))), 1e-9);
+        for (const [slope, row] of rows) {
+            row.push.replaceChildren(...(slope ? pushed(slope, row.slider, largest) : []));
         }
     }
 
     clearCliffs() {
-        for (const row of this.rows.values()) if (!row.isChoice) row.cliffs = null;
+        for (const row of this.rows.values()) {
+            if (row.isChoice || !row.cliffs) continue;
+            row.cliffs = null;
+            this.mark(row);
+        }
     }
 
     setCliffs(parameter, sides) {
@@ -160,16 +166,19 @@ export class Sliders {
 
 const cliffWords = (what) => (what ?? '').replace(/^inoue /, '').replace(/^./, (letter) => letter.toUpperCase());
 
+/** A small push: one degree or per cent, of ratios and distances less. */
+const pushOf = ({ unit, step }) => (unit ? 1 : step < 0.005 ? 0.01 : 0.1);
+
 /** What one unit more does, as an arrow and a number for Average and for Rear. */
-function pushed({ average, averageBound, rear, rearBound }, { unit, label }, largest) {
-    const per = { deg: '1°', '%': '1 %', '': '0.1' }[unit];
-    const by = unit === '' ? 0.1 : 1;
+function pushed({ average, averageBound, rear, rearBound }, { unit, label, step }, largest) {
+    const by = pushOf({ unit, step });
+    const per = { deg: '1°', '%': '1 %', '': String(by) }[unit];
     const one = (name, slope, bound) => {
         const value = slope * by;
         const direction = Math.abs(value) < LEAST ? '·' : value > 0 ? '▲' : '▼';
         const part = element('span', { className: `${name} ${value > 0 ? 'up' : 'down'}` },
             element('i', { ariaHidden: 'true' }, direction), ` ${number(Math.abs(value), 2)} `, element('small', {}, name));
-        part.style.setProperty('--size', Math.min(0.75 + (0.55 * Math.abs(slope)) / largest, 1.3));
+        part.style.setProperty('--size', Math.min(0.75 + (0.55 * Math.abs(value)) / largest, 1.3));
         const within = bound >= 5e-4 ? ` ±${number(bound * by, 3)}` : '';
         part.title = `${label} ${per} more: ${name} ${signed(value, 3)}${within}`;
         return part;

@@ -4,6 +4,8 @@
 /** A frame of its own origin: it may run its scripts, save files and ask for a number, no more. */
 const ALLOWED = 'allow-scripts allow-downloads allow-modals';
 const WITHOUT = 'The studio needs its kernel: run the cell.';
+/** What is told where the kernel has closed the widget, or is gone itself. */
+const ENDS = ['comm:close', 'comm_live_update'];
 /** So long the kernel may take to send the page [ms], before it is said that there is none. */
 const PATIENCE = 15_000;
 
@@ -58,14 +60,14 @@ function render({ model, el }) {
     themes.observe(document.body, { attributes: true, attributeFilter: ['data-jp-theme-light', 'class'] });
     model.on('msg:custom', hear);
     model.on('change:height', resize);
-    model.on('comm:close', end);
+    for (const name of ENDS) model.on(name, end);
     model.send({ view, type: 'begin' });
     return () => {
         clearTimeout(waiting);
         themes.disconnect();
         model.off('msg:custom', hear);
         model.off('change:height', resize);
-        model.off('comm:close', end);
+        for (const name of ENDS) model.off(name, end);
         model.send({ view, type: 'end' });
         port.close();
     };
