@@ -24,7 +24,7 @@ from gemrender.sweep.atlas import read_plan
 STONES = ROOT / "tests" / "cases" / "stones"
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 #: Python that tests of these pages run.
-OF_OTHER_TESTS = {"docs/adding-a-cut.md", "docs/notebooks.md", "docs/own-measure.md"}
+OF_OTHER_TESTS = {"docs/adding-a-cut.md", "docs/notebooks.md", "docs/own-measure.md", "docs/studio.md"}
 #: What makes commands cheap: options that are set so, or taken out where it is None.
 CHEAPER: dict[str, dict[str, str | None]] = {
     "render": {
