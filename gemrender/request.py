@@ -135,13 +135,7 @@ class StudyOptions(TracerOptions, total=False):
 
 
 class TiltOptions(StudyOptions, total=False):
-    """The same of a study that draws nothing by chance itself.
-
-    Keys
-    ----
-    seed : int
-        Seed of the exact engine's rays near the girdle; the other engines make no use of it.
-    """
+    """The same of a study that draws nothing by chance itself; `seed` as of `TraceOptions`."""
 
     seed: int
 

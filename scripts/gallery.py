@@ -4,7 +4,7 @@
     python scripts/gallery.py ruby sapphire --out gallery --size 320 --samples 32
     python scripts/gallery.py viewers                          # a sheet of stones in gem viewers
     python scripts/gallery.py turntable                        # the film, and a small moving picture of it
-    python scripts/gallery.py --samples 256 --variant cuda_ad_spectral  # all on a graphics processor: minutes
+    python scripts/gallery.py --samples 256 --variant cuda_ad_spectral  # all on a graphics processor
 
 Of each photograph what a photographer looks at is printed, as `measure_setups.py` does. Photographs are
 denoised where mitsuba-oidn is installed (pip install mitsuba-oidn), unless --raw; films need pip install av.

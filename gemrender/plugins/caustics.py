@@ -173,7 +173,9 @@ class Caustics:
         ray: mi.Ray3f,
         active: mi.Bool,
     ) -> mi.Float:
-        """Return the share of light that the eye counts, where `trace` counts the rest; see the class.
+        """Return the share of light that the eye counts, of which `trace` counts the rest; see the class.
+
+        It is 1 of lights that are not traced.
 
         Parameters
         ----------
@@ -181,13 +183,14 @@ class Caustics:
             As `seen` tells, of the surface that the ray left through one stone, times the wavelengths that go
             by themselves; 0 where the way was another: all is the light's then.
         emitter, si, ray : EmitterPtr, SurfaceInteraction3f, Ray3f
-            The light that is traced, where the ray meets it, and the ray.
+            The light, where the ray meets it, and the ray.
         active : Bool
-            Which there are.
+            Where the light came through stones alone from the last diffuse surface, the first one being so.
         """
-        both = active & (seen > 0)
+        traced = active & self.traces(emitter)
+        both = traced & (seen > 0)
         of_light = self._emission.density(emitter, dr.select(si.is_valid(), si.p, ray.o), si.n, -ray.d, both)
-        return dr.select(both, seen / (seen + of_light), 0)
+        return dr.select(traced, dr.select(both, seen / (seen + of_light), 0), 1)
 
     @property
     def unit(self) -> float:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import drjit as dr
 import mitsuba as mi
 
@@ -336,8 +338,8 @@ class PathIntegrator(mi.SamplingIntegrator):
             direct &= ~plain | mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
             from_delta = ~plain | mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
 
-            active = drawn_on | behind | (plain & (stones.mean(β) > 0))
-            q = dr.minimum(stones.mean(β) * (1 / ROULETTE_OUTSIDE), 1)
+            active = drawn_on | behind | (plain & (mean_of(β) > 0))
+            q = dr.minimum(mean_of(β) * (1 / ROULETTE_OUTSIDE), 1)
             q = dr.select(depth > LATE, q * LATE_SURVIVAL, q)
             active &= (chance.next_float32() < q) & (q > NEGLIGIBLE)
             β *= dr.select(active, dr.rcp(q), 0)
@@ -346,19 +348,9 @@ class PathIntegrator(mi.SamplingIntegrator):
         return L, valid, albedo, normal
 
 
-def _of_eye(
-    caustics: Caustics | None,
-    seen: mi.Float,
-    emitter: mi.EmitterPtr,
-    si: mi.SurfaceInteraction3f,
-    ray: mi.Ray3f,
-    active: mi.Bool,
-) -> mi.Float:
-    """Return the share of light that the eye counts: 1 but where it is traced, too."""
-    if caustics is None:
-        return mi.Float(1)
-    traced = active & caustics.traces(emitter)
-    return dr.select(traced, caustics.of_eye(seen, emitter, si, ray, traced), 1)
+def _of_eye(caustics: Caustics | None, *light: Any) -> mi.Float:
+    """Return the share of light that the eye counts, as `Caustics.of_eye`: all where nothing is traced."""
+    return mi.Float(1) if caustics is None else caustics.of_eye(*light)
 
 
 def _as_rgb(value: mi.Spectrum) -> mi.Color3f:

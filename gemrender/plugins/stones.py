@@ -102,11 +102,6 @@ class Stones:
         shape = dr.reinterpret_array(mi.UInt32, si.shape)
         return dr.gather(mi.UInt32, self.number_of_shape, shape, active & si.is_valid())
 
-    @staticmethod
-    def mean(spectrum: mi.Spectrum) -> mi.Float:
-        """Return the mean over the channels."""
-        return mean_of(spectrum)
-
     # ---- Material ----
 
     def index(self, stone: mi.UInt32, wavelengths: mi.Spectrum, active: mi.Bool) -> mi.Spectrum:
