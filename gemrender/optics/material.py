@@ -20,7 +20,8 @@ from gemrender.optics.abbe import (
     refuse_other_form,
 )
 from gemrender.optics.cautions import beyond, cautions
-from gemrender.optics.dispersion import INDEX_RANGE, VISIBLE_NM, Dispersion, Formula
+from gemrender.optics.crystal import Crystal
+from gemrender.optics.dispersion import INDEX_RANGE, VISIBLE_NM, Dispersion, Formula, index_of
 from gemrender.optics.tabulated import WAVELENGTHS_NM, Table, finite, numbers_of
 
 __all__ = [
@@ -62,7 +63,8 @@ class Material:
     name : str
         What to call it in tables and messages.
     dispersion : Formula or Table
-        Index by wavelength; of a birefringent material the ordinary one.
+        Index by wavelength; of a birefringent material the ordinary one, of a biaxial one the middle: what
+        scores take, and pictures in which light is not split.
     range_nm : pair of float
         Wavelengths that the dispersion was published for [nm]. It is continued where visible light,
         `VISIBLE_NM`, goes beyond them.
@@ -74,13 +76,16 @@ class Material:
         Density [g/cm^3]; None is unknown.
     absorption : Table or None
         Absorption coefficient, to the base e [1/mm]; None is a colourless material. Beyond the ends of the
-        table, their values hold.
+        table, their values hold. Of a pleochroic material what its crystal's `isotropic_absorption` says.
+    crystal : Crystal or None
+        Of a birefringent material what each principal direction does; None is an isotropic one.
 
     Raises
     ------
     InputError
         A range without visible light, an index that leaves `INDEX_RANGE` anywhere, coefficients of the other
-        of Sellmeier's forms, an absorption coefficient out of range, a density that no gem has.
+        of Sellmeier's forms, an absorption coefficient out of range, a density that no gem has, or a crystal
+        of another index or absorption.
     """
 
     name: str
@@ -90,64 +95,109 @@ class Material:
     note: str = ""
     density: float | None = None
     absorption: Table | None = None
+    crystal: Crystal | None = None
+
+    @classmethod
+    def of_crystal(cls, crystal: Crystal, *, absorption: Table | None = None, **facts: Any) -> Material:
+        """Make a birefringent material.
+
+        Parameters
+        ----------
+        crystal : Crystal
+            What each principal direction does.
+        absorption : Table, optional
+            Absorption coefficient where it is the same in all directions [1/mm].
+        **facts
+            Other fields: name, range_nm and so on.
+
+        Raises
+        ------
+        InputError
+            As for the class.
+        """
+        if crystal.absorptions:
+            absorption = crystal.isotropic_absorption()
+        return cls(dispersion=crystal.ordinary, absorption=absorption, crystal=crystal, **facts)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "range_nm", checked_range(self.range_nm))
         object.__setattr__(self, "density", checked_density(self.density))
         with Mistakes() as mistakes:
-            mistakes.of(self._check_index)
-            if not mistakes.errors:
-                mistakes.of(refuse_other_form, self.dispersion)
-            mistakes.of(self._check_absorption)
+            for key, dispersion in self.dispersions:
+                before = len(mistakes.errors)
+                mistakes.of(self._check_index, key, dispersion)
+                if len(mistakes.errors) == before:
+                    mistakes.of(refuse_other_form, dispersion, key)
+            for key, absorption in self.absorptions:
+                mistakes.of(_check_absorption, key, absorption)
+        self._check_crystal()
 
-    def _check_absorption(self) -> None:
-        if self.absorption is not None:
-            for i, value in enumerate(self.absorption.values):
-                if not 0 <= value <= MOST_ABSORPTION:
-                    least = "at least 0" if value < 0 else f"at most {MOST_ABSORPTION:g}"
-                    key = f"absorption.{self.absorption.key}[{i}]"
-                    raise InputError(f"must be {least} [1/mm]", key=key, value=value)
+    @property
+    def dispersions(self) -> list[tuple[str, Dispersion]]:
+        """The index of each principal direction, by the section of a material file that it is in."""
+        if self.crystal is None:
+            return [("index", self.dispersion)]
+        return list(zip(self.crystal.keys("index"), self.crystal.dispersions, strict=True))
 
-    def _check_index(self) -> None:
+    @property
+    def absorptions(self) -> list[tuple[str, Table | None]]:
+        """The absorption of each principal direction, or of all, by the section of a file that it is in."""
+        if self.crystal is None or not self.crystal.absorptions:
+            return [("absorption", self.absorption)]
+        return list(zip(self.crystal.keys("absorption"), self.crystal.absorptions, strict=True))
+
+    def _check_crystal(self) -> None:
+        crystal = self.crystal
+        if crystal is None:
+            return
+        if self.dispersion != crystal.ordinary:
+            raise InputError("must be the crystal's ordinary index, or its middle one", key="dispersion")
+        if crystal.absorptions and self.absorption != crystal.isotropic_absorption():
+            raise InputError("must be what the crystal's isotropic_absorption says", key="absorption")
+        if crystal.is_biaxial:
+            alpha, beta, gamma = crystal.index(SODIUM_NM).tolist()
+            if not alpha <= beta <= gamma:
+                raise InputError(
+                    f"must be in order at {SODIUM_NM:g} nm: alpha, {alpha:g}, at most beta, {beta:g}, at "
+                    f"most gamma, {gamma:g}",
+                    key="[index_alpha], [index_beta], [index_gamma]",
+                )
+
+    def _check_index(self, key: str, dispersion: Dispersion) -> None:
         first, last = self.wavelengths_nm
-        poles = self.dispersion.poles_nm() if isinstance(self.dispersion, Formula) else ()
+        poles = dispersion.poles_nm() if isinstance(dispersion, Formula) else ()
         tried = np.concatenate([np.linspace(first, last, _N_CHECKED), VISIBLE_NM, self.range_nm, poles])
-        if isinstance(self.dispersion, Table):
-            tried = np.concatenate([tried, self.dispersion.wavelength_nm])
+        if isinstance(dispersion, Table):
+            tried = np.concatenate([tried, dispersion.wavelength_nm])
         tried = np.sort(tried[(tried >= first) & (tried <= last)])
         with np.errstate(all="ignore"):
-            index = self._index(tried)
+            index = index_of(dispersion, tried)
         low, high = INDEX_RANGE
         wrong = ~((index >= low) & (index <= high))  # true for NaN too
         if wrong.any():
             at = int(np.argmax(wrong))
             raise InputError(
                 f"must be from {low:g} to {high:g} at every wavelength from {first:g} to {last:g} nm"
-                + self._hint(tried[at]),
-                key=f"index at {tried[at]:.6g} nm",
+                + self._hint(dispersion, tried[at]),
+                key=f"{key} at {tried[at]:.6g} nm",
                 value=float(index[at]),
             )
 
-    def _hint(self, wavelength_nm: float) -> str:
+    def _hint(self, dispersion: Dispersion, wavelength_nm: float) -> str:
         """Say what may be wrong where the index is out of range."""
-        if isinstance(self.dispersion, Table):
-            low, high = self.range_nm
+        if isinstance(dispersion, Table):
+            low, high = dispersion.wavelength_nm[0], dispersion.wavelength_nm[-1]
             inside = low <= wavelength_nm <= high
             return (
                 ""
                 if inside
                 else f"; the table of {low:g} to {high:g} nm is continued there as its end rows run"
             )
-        if other := other_form(self.dispersion):
+        if other := other_form(dispersion):
             return f"; {other[0]}"
-        if not INDEX_RANGE[0] <= self._index(SODIUM_NM) <= INDEX_RANGE[1]:
+        if not INDEX_RANGE[0] <= dispersion.index(SODIUM_NM) <= INDEX_RANGE[1]:
             return "; coefficients are for wavelengths in micrometres"
         return "" if VISIBLE_NM[0] <= wavelength_nm <= VISIBLE_NM[1] else "; range_nm may be narrower"
-
-    def _index(self, wavelength_nm: Any) -> np.ndarray:
-        if isinstance(self.dispersion, Table):
-            return self.dispersion.at(wavelength_nm, continued=True)
-        return self.dispersion.index(wavelength_nm)
 
     @classmethod
     def constant(cls, index: float) -> Material:
@@ -197,7 +247,7 @@ class Material:
                 key="wavelength_nm",
                 value=float(asked[outside].flat[0]),
             )
-        return self._index(asked)
+        return index_of(self.dispersion, asked)
 
     def absorption_per_mm(self, wavelength_nm: Any) -> np.ndarray:
         """Return the absorption coefficient a [1/mm]; light is down to exp(-a s) after a path of s mm.
@@ -214,7 +264,7 @@ class Material:
     @property
     def abbe_number(self) -> float | None:
         """Abbe's number (n_D - 1) / (n_F - n_C), by the sodium line; None where n_F and n_C are equal."""
-        return abbe_number(*self._index(ABBE_LINES_NM))
+        return abbe_number(*index_of(self.dispersion, ABBE_LINES_NM))
 
     @property
     def continued_nm(self) -> tuple[tuple[float, float], ...]:
@@ -236,6 +286,14 @@ class Material:
         """What gemmologists call dispersion: the index at 430.8 nm less that at 686.7 nm."""
         blue, red = self.index([FRAUNHOFER_G_NM, FRAUNHOFER_B_NM])
         return float(blue - red)
+
+
+def _check_absorption(key: str, absorption: Table | None) -> None:
+    for i, value in enumerate(absorption.values if absorption is not None else ()):
+        if not 0 <= value <= MOST_ABSORPTION:
+            least = "at least 0" if value < 0 else f"at most {MOST_ABSORPTION:g}"
+            assert absorption is not None
+            raise InputError(f"must be {least} [1/mm]", key=f"{key}.{absorption.key}[{i}]", value=value)
 
 
 def constant_index(index: object) -> float:
