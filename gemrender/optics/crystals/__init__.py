@@ -7,6 +7,7 @@ exp(-i omega t). Normals point out of the crystal; directions are in the stone's
 from __future__ import annotations
 
 from gemrender.optics.crystals.boundary import Entering, Leaving, enter, leave
+from gemrender.optics.crystals.crystal import Crystal, absorption_per_mm
 from gemrender.optics.crystals.frame import frame_of_angles, frame_of_axes, frame_of_c_axis
 from gemrender.optics.crystals.indicatrix import Indicatrix, optic_axes, optic_axial_angle_deg
 from gemrender.optics.crystals.modes import Modes, modes_along
@@ -14,6 +15,7 @@ from gemrender.optics.crystals.shares import SharesEntering, SharesInside, share
 from gemrender.optics.crystals.waves import Waves, boundary_axes, boundary_waves
 
 __all__ = [
+    "Crystal",
     "Entering",
     "Indicatrix",
     "Leaving",
@@ -21,6 +23,7 @@ __all__ = [
     "SharesEntering",
     "SharesInside",
     "Waves",
+    "absorption_per_mm",
     "boundary_axes",
     "boundary_waves",
     "enter",

@@ -54,6 +54,20 @@ class Indicatrix:
         """Principal relative permittivities (..., 3), the squares of the indices."""
         return np.asarray(self.indices**2)
 
+    def in_order(self) -> Indicatrix:
+        """Return the same with its axes in increasing order of the index."""
+        shape = np.broadcast_shapes(self.indices.shape[:-1], self.frame.shape[:-2])
+        indices, frame = (
+            np.broadcast_to(self.indices, (*shape, 3)),
+            np.broadcast_to(self.frame, (*shape, 3, 3)),
+        )
+        order = np.argsort(indices, axis=-1, kind="stable")
+        return Indicatrix(
+            np.take_along_axis(indices, order, axis=-1),
+            np.take_along_axis(frame, order[..., None], axis=-2),
+            False,
+        )
+
 
 def optic_axial_angle_deg(alpha: Any, beta: Any, gamma: Any) -> tuple[np.ndarray, np.ndarray]:
     """Return the angle between a biaxial crystal's optic axes.
@@ -91,13 +105,10 @@ def optic_axes(indicatrix: Indicatrix) -> np.ndarray:
     (..., 2, 3) float64
         Unit vectors; their senses have no meaning. A uniaxial crystal's are the same one twice.
     """
-    order = np.argsort(indicatrix.indices, axis=-1, kind="stable")
-    indices = np.take_along_axis(indicatrix.indices, order, axis=-1)
     if indicatrix.has_optic_axis:
-        axis = np.broadcast_to(indicatrix.frame[..., 2, :], (*indices.shape[:-1], 3))
+        axis = np.broadcast_to(indicatrix.frame[..., 2, :], (*indicatrix.in_order().indices.shape[:-1], 3))
         return np.stack([axis, axis], axis=-2)
-    frame = np.broadcast_to(indicatrix.frame, (*indices.shape, 3))
-    frame = np.take_along_axis(frame, order[..., None], axis=-2)
-    half = np.radians(optic_axial_angle_deg(*np.moveaxis(indices, -1, 0))[0] / 2)[..., None]
-    along, across = np.cos(half) * frame[..., 2, :], np.sin(half) * frame[..., 0, :]
+    ordered = indicatrix.in_order()
+    half = np.radians(optic_axial_angle_deg(*np.moveaxis(ordered.indices, -1, 0))[0] / 2)[..., None]
+    along, across = np.cos(half) * ordered.frame[..., 2, :], np.sin(half) * ordered.frame[..., 0, :]
     return np.stack([along + across, along - across], axis=-2)

@@ -101,13 +101,8 @@ def _uniaxial(s: np.ndarray, indicatrix: Indicatrix) -> tuple[np.ndarray, np.nda
 
 def _biaxial(s: np.ndarray, indicatrix: Indicatrix) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return squared indices (..., 2), the fast and the slow D, unit vectors."""
-    order = np.argsort(indicatrix.indices, axis=-1, kind="stable")
-    middle = np.take_along_axis(
-        np.broadcast_to(indicatrix.frame, (*order.shape, 3)), order[..., 1, None, None], axis=-2
-    )[..., 0, :]
-    least = np.take_along_axis(
-        np.broadcast_to(indicatrix.frame, (*order.shape, 3)), order[..., 0, None, None], axis=-2
-    )[..., 0, :]
+    frame = indicatrix.in_order().frame
+    least, middle = frame[..., 0, :], frame[..., 1, :]
     first = middle - np.sum(middle * s, axis=-1, keepdims=True) * s
     length = np.linalg.norm(first, axis=-1, keepdims=True)
     along_beta = length < ON_AXIS
