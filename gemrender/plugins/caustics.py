@@ -11,6 +11,7 @@ import numpy as np
 from gemrender.plugins.branches import is_diffuse
 from gemrender.plugins.checks import SceneCheck, is_stone
 from gemrender.plugins.emission import Emission
+from gemrender.plugins.modes import walk_modes
 from gemrender.plugins.projection import Projection
 from gemrender.plugins.spectra import mean_of
 from gemrender.plugins.stones import RAY_OFFSET, Stones
@@ -264,6 +265,9 @@ class Caustics:
             entering = stones.first_for_all(β, part)
             eta = stones.index(stone, ray.wavelengths, arrives)
             index = stones.of_channel(eta, stones.alive(entering))
+            birefringent = mi.Bool(False)
+            if dr.hint(stones.crystals.any, mode="scalar"):
+                birefringent = stones.crystals.among(stone, arrives)
             o, d, β_out, depth_out, left = walk(
                 stones,
                 stone,
@@ -276,8 +280,27 @@ class Caustics:
                 chance,
                 depth,
                 max_depth,
-                arrives,
+                arrives & ~birefringent,
             )
+            if dr.hint(stones.crystals.any, mode="scalar"):
+                nm = stones.nm_of(stone, ray.wavelengths, stones.alive(entering), arrives)
+                of_modes = walk_modes(
+                    stones,
+                    stone,
+                    si.p,
+                    ray.d,
+                    n,
+                    entering,
+                    nm,
+                    ray.wavelengths,
+                    chance,
+                    depth,
+                    max_depth,
+                    arrives & birefringent,
+                )
+                o, d, β_out, depth_out, left = dr.select(
+                    birefringent, of_modes, (o, d, β_out, depth_out, left)
+                )
             ray.o = dr.select(arrives, o, ray.o)
             ray.d = dr.select(arrives, d, dr.select(plain, next_ray.d, ray.d))
             β = dr.select(arrives, β_out, dr.select(plain, β * weight, β))

@@ -12,6 +12,7 @@ from gemrender.plugins.branches import NEGLIGIBLE, Branch, is_diffuse, split
 from gemrender.plugins.caustics import Caustics
 from gemrender.plugins.checks import SceneCheck
 from gemrender.plugins.direct import MOST_LIGHTS, direct_light, mis_weight, one_light
+from gemrender.plugins.modes import split_modes, walk_modes
 from gemrender.plugins.properties import truth, whole_number
 from gemrender.plugins.spectra import mean_of
 from gemrender.plugins.stones import RAY_OFFSET, Stones
@@ -59,6 +60,11 @@ class PathIntegrator(mi.SamplingIntegrator):
       the diffuse surface that it ends on; from there one goes on with its own wavelength only, and stands for
       all. In RGB variants the path draws a wavelength, weighted by the linear sRGB response; in monochrome
       ones all light has the wavelength of the stone's ``gem_dielectric``.
+    - **Birefringence.** In a birefringent stone light is in one mode at a time, ordinary or extraordinary,
+      fast or slow, with its own index, direction of energy and absorption. The phases of two part within
+      micrometres, so that they add as energies: of those that a facet hands light on to, one is drawn by its
+      share of the energy. Outside, light is unpolarised: a thick plate at 45 degrees between crossed
+      polarisers would pass a quarter of it, less what it reflects, without interference colours.
     - **Absorption** along the way inside, by the material (Beer and Lambert).
     - Russian roulette goes by the throughput, and total reflection does not lessen it: long bright paths are
       not clipped. Multiple importance sampling (power heuristic) at all other surfaces; at the first one that
@@ -88,6 +94,8 @@ class PathIntegrator(mi.SamplingIntegrator):
     At a rough girdle (``girdle_alpha``) one way is drawn, out or in, that carries all the light; where a path
     first enters a dispersive stone there, it goes on with one wavelength, drawn of all. Light that is traced
     from lamps is scattered there alike.
+
+    A rough girdle of a birefringent stone scatters as one of its mean index does, into either mode.
 
     Point and directional lights light plain surfaces, but are not seen in or through stones. Participating
     media are not followed. A ``GemrenderWarning`` says either.
@@ -165,15 +173,17 @@ class PathIntegrator(mi.SamplingIntegrator):
         active: mi.Bool = True,
         *,
         caustics: Caustics | None = None,
+        modes_by: mi.Float | None = None,
     ) -> tuple[mi.Spectrum, mi.Bool, list[mi.Float]]:
         """Return the radiance along a ray with the AOVs, whether `aovs` asks for them or not.
 
-        With `caustics`, the light that these count is left out.
+        With `caustics`, the light that these count is left out. `modes_by` are numbers in [0, 1), even over a
+        pixel together with the places in it, that draw the modes in the first stone, if it is birefringent.
         """
         with dr.suspend_grad():
             stones = Stones(scene, sampler, self.scene_check)
             radiance, valid, albedo, normal = self._radiance(
-                scene, stones, sampler, mi.Ray3f(ray), mi.Bool(active), caustics
+                scene, stones, sampler, mi.Ray3f(ray), mi.Bool(active), caustics, modes_by
             )
         return radiance, valid, [*albedo, *normal]
 
@@ -182,7 +192,7 @@ class PathIntegrator(mi.SamplingIntegrator):
         return f"PathIntegrator[\n  max_depth = {self.max_depth},\n  aovs = {self.aovs}\n]"
 
     @dr.syntax
-    def _radiance(self, scene, stones, sampler, ray, active, caustics):  # type: ignore[no-untyped-def]  # dr.syntax
+    def _radiance(self, scene, stones, sampler, ray, active, caustics, modes_by):  # type: ignore[no-untyped-def]  # dr.syntax
         max_depth = mi.UInt32(self.max_depth if self.max_depth >= 0 else 0xFFFFFFFF)
         context = mi.BSDFContext()
         walking = caustics is not None
@@ -274,11 +284,25 @@ class PathIntegrator(mi.SamplingIntegrator):
 
             walks = arrives & first_diffuse & last_diffuse & walking
             splits = arrives & ~walks
+            birefringent = mi.Bool(False)
+            if dr.hint(stones.crystals.any, mode="scalar"):
+                birefringent = stones.crystals.among(stone, arrives)
             Le, drawn, part = split(
                 stones, stone, si.p, d, n, β, parted, ray.wavelengths, ray.time,
-                chance, depth, max_depth, direct, splits,
+                chance, depth, max_depth, direct, splits & ~birefringent,
             )  # fmt: skip
-            L += dr.select(splits, Le, 0)
+            L += dr.select(splits & ~birefringent, Le, 0)
+            if dr.hint(stones.crystals.any, mode="scalar"):
+                number = sampler.next_1d()
+                if dr.hint(modes_by is not None, mode="scalar"):
+                    number = dr.select(depth == 0, modes_by, number)
+                Le, drawn_modes, part_modes = split_modes(
+                    stones, stone, si.p, d, n, β, parted, ray.wavelengths, ray.time,
+                    number, chance, depth, max_depth, direct, splits & birefringent,
+                )  # fmt: skip
+                L += dr.select(splits & birefringent, Le, 0)
+                drawn = dr.select(birefringent, drawn_modes, drawn)
+                part |= part_modes
 
             # ---- What a wavelength's way ends on is lit, of each; the first goes on, for all ----
 
@@ -299,8 +323,17 @@ class PathIntegrator(mi.SamplingIntegrator):
                         walk_o, walk_d, walk_β, walk_depth, walked = walk(
                             stones, stone, si.p, d, n, stones.only(β, channel, part),
                             stones.of_channel(eta, channel), ray.wavelengths,
-                            chance, depth, max_depth, ends & walks,
+                            chance, depth, max_depth, ends & walks & ~birefringent,
                         )  # fmt: skip
+                        if dr.hint(stones.crystals.any, mode="scalar"):
+                            of_modes = walk_modes(
+                                stones, stone, si.p, d, n, stones.only(β, channel, part),
+                                stones.nm_of(stone, ray.wavelengths, channel, arrives), ray.wavelengths,
+                                chance, depth, max_depth, ends & walks & birefringent,
+                            )  # fmt: skip
+                            walk_o, walk_d, walk_β, walk_depth, walked = dr.select(
+                                birefringent, of_modes, (walk_o, walk_d, walk_β, walk_depth, walked)
+                            )
                         weight_of_walk = dr.select(walked, mean_of(walk_β), 0)
                         walked_end = Branch(weight_of_walk, walk_o, walk_d, walk_β, part | parted, walk_depth)
                         end = dr.select(walks, walked_end, end)

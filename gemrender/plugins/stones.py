@@ -7,6 +7,7 @@ import mitsuba as mi
 import numpy as np
 
 from gemrender.plugins.checks import RAY_OFFSET, SceneCheck, is_stone
+from gemrender.plugins.crystals import Crystals
 from gemrender.plugins.spectra import N_ROWS, mean_of, parting_colour, row_of, tabulated
 from gemrender.scene.convex import PlacedSolid
 from gemrender.scene.shapes import FLAT
@@ -62,6 +63,7 @@ class Stones:
             np.concatenate([np.zeros(N_ROWS), *(s.absorption_table for s in surfaces)])
         )
         self.any_absorbs = any(s.absorbs for s in surfaces)
+        self.crystals = Crystals(surfaces)
         alphas = [s.girdle_alpha for s in surfaces]
         #: Whether any has a rough girdle.
         self.any_rough = any(alphas)
@@ -116,6 +118,29 @@ class Stones:
             return mi.Spectrum(1)
         coefficient = self._look_up(self.absorption, stone, wavelengths, active)
         return dr.exp(-coefficient * dr.maximum(distance, 0))
+
+    def transmittance_of_mode(
+        self,
+        stone: mi.UInt32,
+        wavelengths: mi.Spectrum,
+        counts: mi.Vector3f,
+        distance: mi.Float,
+        active: mi.Bool,
+    ) -> mi.Spectrum:
+        """Return the same of a birefringent stone, of a mode that absorbs as `waves.Mode` tells."""
+        if not self.crystals.any_absorbs:
+            return mi.Spectrum(1)
+        channels = self._nm_of_channels(stone, wavelengths, active)
+        values = self.crystals.transmittance(stone, channels, counts, distance, active)
+        return mi.Spectrum(values if mi.is_spectral else values[0])
+
+    def nm_of(
+        self, stone: mi.UInt32, wavelengths: mi.Spectrum, channel: mi.UInt32, active: mi.Bool
+    ) -> mi.Float:
+        """Return the wavelength of a channel [nm]."""
+        if mi.is_spectral:
+            return self.of_channel(wavelengths, channel)
+        return mi.Float(self._nm_of_channels(stone, wavelengths, active)[0])
 
     def disperses(self, stone: mi.UInt32, active: mi.Bool) -> mi.Bool:
         """Return whether wavelengths part in a stone."""
@@ -200,14 +225,17 @@ class Stones:
         self, table: mi.Float, stone: mi.UInt32, wavelengths: mi.Spectrum, active: mi.Bool
     ) -> mi.Spectrum:
         """Read a material's table at the wavelength of each channel."""
-        if mi.is_spectral:
-            channels = list(wavelengths)
-        elif mi.is_monochromatic:
-            channels = [dr.gather(mi.Float, self.fixed_nm, stone, active)]
-        else:
-            channels = [self.path_nm]
+        channels = self._nm_of_channels(stone, wavelengths, active)
         values = [tabulated(table, stone * N_ROWS, row_of(nm), active) for nm in channels]
         return mi.Spectrum(values if mi.is_spectral else values[0])
+
+    def _nm_of_channels(self, stone: mi.UInt32, wavelengths: mi.Spectrum, active: mi.Bool) -> list[mi.Float]:
+        """Return the wavelength of each channel [nm]: in variants that are not spectral, of all together."""
+        if mi.is_spectral:
+            return list(wavelengths)
+        if mi.is_monochromatic:
+            return [dr.gather(mi.Float, self.fixed_nm, stone, active)]
+        return [self.path_nm]
 
     def one_wavelength(
         self, throughput: mi.Spectrum, eta: mi.Spectrum, part: mi.Bool, chance: mi.PCG32

@@ -244,7 +244,10 @@ class Passes:
     def _samples(
         self, first: int, n: int, spp: int, index: int, seed: int
     ) -> tuple[Any, PixelSamples, list[Any]]:
-        """Return pixels, their samples, and what the camera is asked with: place, wavelength, lens."""
+        """Return pixels, their samples, and what the camera is asked with: place, wavelength, lens.
+
+        The last number is for modes of birefringent stones.
+        """
         import drjit as dr
         import mitsuba as mi
 
@@ -254,11 +257,11 @@ class Passes:
         number = lanes - pixel * of_a_pixel + dr.opaque(mi.UInt32, index)
         pixel += dr.opaque(mi.UInt32, first)
         samples = PixelSamples.of(pixel, number, seed)
-        x, y, nm, turn, *lens = samples.next(6)
+        x, y, nm, turn, *others = samples.next(7)
         # Wavelengths are drawn evenly from the first on: which of them is the first is drawn apart
         lanes_of_nm = len(mi.Spectrum())
         nm = dr.minimum((nm + dr.floor(turn * lanes_of_nm)) / lanes_of_nm, dr.one_minus_epsilon(mi.Float))
-        return pixel, samples, [x, y, nm, *lens]
+        return pixel, samples, [x, y, nm, *others]
 
     def _rays(self, pixel: Any, u: list[Any], wavelengths: Any) -> Any:
         import drjit as dr
@@ -296,7 +299,7 @@ class Passes:
         nm, weight, response = self._draw(u[2])
         ray = self._rays(pixel, u, nm)
         radiance, valid, aovs = self.scene.integrator().sample_with_aovs(
-            self.scene, samples, ray, caustics=self._caustics
+            self.scene, samples, ray, caustics=self._caustics, modes_by=u[5]
         )
         xyz = [
             sum(L * w * r[k] for L, w, r in zip(radiance, weight, response, strict=True)) for k in range(3)
@@ -358,7 +361,7 @@ class Passes:
         pixel, samples, u = self._samples(first, n, spp, 0, 2 * (self.seed + seed))
         wavelengths = mi.Spectrum(dr.opaque(mi.Float, float(nm)))
         ray = self._rays(pixel, u, wavelengths)
-        radiance, _, _ = self.scene.integrator().sample_with_aovs(self.scene, samples, ray)
+        radiance, _, _ = self.scene.integrator().sample_with_aovs(self.scene, samples, ray, modes_by=u[5])
         value = dr.mean(radiance)
         dr.eval(value)
         mean = dr.block_sum(value, spp) / spp
