@@ -14,7 +14,6 @@ import argparse
 import contextlib
 import json
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -22,7 +21,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+from studio_page import chromium
+
 #: Long enough for a kernel that compiles [ms].
 PATIENCE = 120_000
 CELLS = (
@@ -86,7 +86,6 @@ def run(page: Any, number: int) -> None:
 def use(address: str, picture: Path, width: int, height: int, is_dark: bool) -> list[str]:
     """Use the widget by hand; return what was not as it should be."""
     from playwright.sync_api import TimeoutError as TooLong
-    from playwright.sync_api import sync_playwright
 
     wrong: list[str] = []
 
@@ -94,9 +93,7 @@ def use(address: str, picture: Path, width: int, height: int, is_dark: bool) -> 
         if message.type == "error" and not FOREIGN.search(message.text + message.location.get("url", "")):
             wrong.append(f"console: {message.text}")
 
-    with sync_playwright() as playwright:
-        chromium = shutil.which("chromium") or shutil.which("google-chrome")
-        browser = playwright.chromium.launch(executable_path=chromium, args=FLAGS)
+    with chromium() as browser:
         page = browser.new_page(viewport={"width": width, "height": height})
         page.set_default_timeout(PATIENCE)
         page.on("console", hear)
@@ -152,7 +149,6 @@ def use(address: str, picture: Path, width: int, height: int, is_dark: bool) -> 
             print("its kernel restarted:", lost.inner_text())
         except TooLong:
             wrong.append("the page does not say that its kernel is gone")
-        browser.close()
     return wrong
 
 

@@ -56,20 +56,27 @@ def studio(stone: str) -> Iterator[tuple[str, subprocess.Popen[str]]]:
 
 
 @contextlib.contextmanager
-def opened(address: str, width: int = 1400, height: int = 900, scheme: Any = "light") -> Iterator[Any]:
-    """Open the page, and wait for its first map."""
+def chromium() -> Iterator[Any]:
+    """Start a headless Chromium."""
     from playwright.sync_api import sync_playwright
 
-    chromium = shutil.which("chromium") or shutil.which("google-chrome")
+    path = shutil.which("chromium") or shutil.which("google-chrome")
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=chromium, args=FLAGS)
+        browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
+        yield browser
+        browser.close()
+
+
+@contextlib.contextmanager
+def opened(address: str, width: int = 1400, height: int = 900, scheme: Any = "light") -> Iterator[Any]:
+    """Open the page, and wait for its first map."""
+    with chromium() as browser:
         page = browser.new_page(viewport={"width": width, "height": height}, color_scheme=scheme)
         page.on("console", _tell_error)
         page.on("pageerror", lambda error: print("error:", error))
         page.goto(address)
         page.wait_for_selector("html[data-drawn]", timeout=120_000)
         yield page
-        browser.close()
 
 
 def _tell_error(message: Any) -> None:
@@ -151,14 +158,21 @@ def _resident(pid: int) -> float:
     return next(float(line.split()[1]) for line in lines if line.startswith("VmRSS")) / 1024.0
 
 
-def picture(file: Path) -> None:
-    """Write a screenshot of the studio with a stone at rest."""
+def picture(file: Path, setup: str, samples: int) -> None:
+    """Write a screenshot of the whole page with a stone at rest, and a picture of so many samples a pixel."""
     with studio("inoue-3") as (address, _), opened(address, 1400, 1000) as page:
         page.click("#keep")
         page.evaluate(MOVE, ["pavilion_angle", 40.9])
         page.wait_for_selector(".around canvas")
         rest(page)
-        page.screenshot(path=str(file))
+        page.select_option("#setup", setup)
+        page.wait_for_selector(".picture[data-samples]:not(.stale)", timeout=600_000)
+        page.wait_for_function(
+            "(least) => Number(document.querySelector('.picture').dataset.samples) >= least",
+            arg=samples, timeout=600_000,
+        )  # fmt: skip
+        rest(page)
+        page.screenshot(path=str(file), full_page=True)
 
 
 def main() -> None:
@@ -170,13 +184,15 @@ def main() -> None:
     parser.add_argument("--picture", action="store_true", help="latency while a picture is rendered")
     parser.add_argument("--seconds", type=float, default=600.0)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--setup", default="studio", help="set-up of the picture in the screenshot")
+    parser.add_argument("--samples", type=int, default=32, help="samples a pixel of it, at least")
     given = parser.parse_args()
     if given.what == "latency":
         latency(given.of, given.moves, given.picture)
     elif given.what == "drag":
         drag(given.of[0], given.seconds, given.seed)
     else:
-        picture(Path(given.of[0]))
+        picture(Path(given.of[0]), given.setup, given.samples)
 
 
 if __name__ == "__main__":

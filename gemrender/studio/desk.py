@@ -13,8 +13,10 @@ from gemrender.cuts.families import families
 from gemrender.errors import InputError
 from gemrender.measures import measures
 from gemrender.optics.materials import material_names
+from gemrender.optics.metals import METALS
 from gemrender.report.measure_maps import ZONE_COLOURS
 from gemrender.report.page import common_data
+from gemrender.scene.settings.setting import SETTINGS
 from gemrender.scene.setup import bundled_setups
 from gemrender.scoring import BAND_EDGES
 from gemrender.stone import Stone
@@ -80,6 +82,8 @@ class Desk:
             "materials": material_names(),
             "kinds": SAVED_KINDS,
             "setups": bundled_setups(),
+            "settings": SETTINGS,
+            "metals": tuple(METALS),
             "hasDenoiser": find_spec("mitsuba_oidn") is not None,
             "measures": [
                 {

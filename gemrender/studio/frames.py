@@ -16,9 +16,11 @@ from gemrender.engines import check_head
 from gemrender.errors import InputError
 from gemrender.observation import Measurement, MeasureValues, View
 from gemrender.optics.fresnel import critical_angle_deg
+from gemrender.optics.metals import METALS
 from gemrender.report.dimensions import dimensions, length_unit
 from gemrender.report.page import traced_solid
 from gemrender.report.tables import band_name, model_text
+from gemrender.scene.settings.setting import SETTINGS
 from gemrender.scene.setup import bundled_setups
 from gemrender.scoring import Score, score_measurement
 from gemrender.stone import Stone, tessellate
@@ -69,6 +71,8 @@ class Wanted:
         Name of the bundled set-up that a picture is rendered in; None for no picture.
     denoise : bool
         Whether the picture is shown after the denoiser.
+    setting, metal : str or None
+        What holds the stone in the picture, and of which metal it is; None for what the set-up has.
     """
 
     number: int
@@ -82,6 +86,8 @@ class Wanted:
     measures: tuple[str, ...] = ()
     picture: str | None = None
     denoise: bool = False
+    setting: str | None = None
+    metal: str | None = None
 
     @classmethod
     def of(cls, told: Mapping[str, Any]) -> Wanted:
@@ -120,6 +126,8 @@ class Wanted:
             measures=tuple(measures[:20]),
             picture=_setup_of(picture),
             denoise=isinstance(picture, Mapping) and picture.get("denoise") is True,
+            setting=_word_of(picture, "setting", SETTINGS),
+            metal=_word_of(picture, "metal", tuple(METALS)),
         )
 
     def stone(self, shelf: Mapping[str, Stone]) -> Stone:
@@ -137,6 +145,14 @@ def _setup_of(picture: object) -> str | None:
     if picture is not None and name not in bundled_setups():
         raise InputError("must be in a bundled set-up", key="picture", value=name)
     return name
+
+
+def _word_of(picture: object, key: str, allowed: tuple[str, ...]) -> str | None:
+    """Return what else is said of a picture that is wanted."""
+    word = picture.get(key) if isinstance(picture, Mapping) else None
+    if word is not None and word not in allowed:
+        raise InputError(f"must be {', '.join(allowed)}", key=key, value=word)
+    return word
 
 
 def _one_line(name: object) -> str:

@@ -29,12 +29,14 @@ __all__ = ["Job", "main"]
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """A stone in a set-up, to be pictured, denoised or not; `key` comes back with its pictures."""
+    """A stone in a set-up and a setting, to be pictured, denoised or not; its pictures have its `key`."""
 
     key: int
     stone: Stone
     setup: str
     denoise: bool = False
+    setting: str | None = None
+    metal: str | None = None
 
 
 class _Stage(NamedTuple):
@@ -125,8 +127,9 @@ def _paint(job: Job, orders: _Orders, answers: IO[bytes]) -> None:
         last = time.monotonic()
         is_last = stage is _STAGES[-1]
         shot = prepare(
-            job.stone, job.setup, size=stage.size, spp=stage.spp, noise=_NOISE if is_last else None
-        )
+            job.stone, job.setup, setting=job.setting, metal=job.metal,
+            size=stage.size, spp=stage.spp, noise=_NOISE if is_last else None,
+        )  # fmt: skip
 
         def show(picture: Picture, share: float, stage: _Stage = stage, is_last: bool = is_last) -> bool:
             nonlocal last

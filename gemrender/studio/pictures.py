@@ -59,8 +59,8 @@ class Pictures:
             if wanted.picture is None:
                 self._end()
                 return
-            of = [wanted.cut, wanted.material, wanted.size_mm, wanted.picture, wanted.denoise]
-            scene = json.dumps(of, sort_keys=True)
+            how = (wanted.picture, wanted.denoise, wanted.setting, wanted.metal)
+            scene = json.dumps([wanted.cut, wanted.material, wanted.size_mm, *how], sort_keys=True)
             self._number = wanted.number
             if scene == self._scene and self._process is not None:
                 self._order("go")
@@ -70,7 +70,7 @@ class Pictures:
             self._scene, self._key, self._last = scene, self._key + 1, None
             if self._process is None:
                 self._start()
-            self._order("paint", Job(self._key, stone, wanted.picture, wanted.denoise))
+            self._order("paint", Job(self._key, stone, *how))
 
     def close(self) -> None:
         """End the process."""

@@ -27,8 +27,8 @@ PATIENCE = 240.0
 SILENCE = 0.3
 
 
-def wanted(number=1, setup="studio", **changes):
-    picture = None if setup is None else {"setup": setup}
+def wanted(number=1, setup="studio", held=None, **changes):
+    picture = None if setup is None else {"setup": setup, **(held or {})}
     return Wanted.of({**told("inoue-3", picture=picture, **changes), "number": number})
 
 
@@ -77,6 +77,25 @@ def test_the_same_scene_goes_on_and_is_shown_again_under_the_new_states_number(m
     rest(made, wanted(3, "sun"))
     assert heard(sent)[1]["png"].tobytes() == b"sun"
     assert len(echoed) == 1
+
+
+@pytest.mark.parametrize("key", ["setting", "metal"])
+@pytest.mark.parametrize("word", ["clamp", "/etc/passwd", 1, ["gold"], ""])
+def test_what_holds_a_stone_is_one_of_a_few_words(key, word):
+    refused(lambda: Wanted.of(told("inoue-3", picture={"setup": "studio", key: word})), key)
+
+
+def test_another_setting_is_another_picture(made, sent, echoed):
+    rest(made, wanted(1, held={"setting": "pendant", "metal": "gold"}))
+    assert heard(sent)[1]["png"].tobytes() == b"studio gold pendant"
+    heard(sent)  # told twice
+    rest(made, wanted(2, held={"setting": "none"}))
+    assert heard(sent)[1]["png"].tobytes() == b"studio none"
+
+
+def test_a_setting_that_the_set_up_has_no_place_for_is_refused():
+    job = Job(1, gemrender.load_stone("inoue-3"), "hearts", setting="bezel")
+    refused(lambda: painter._paint(job, _Orders(), io.BytesIO()), "setting")
 
 
 def test_while_something_moves_nothing_is_shown_and_afterwards_the_last_picture_is(made, sent, echoed):

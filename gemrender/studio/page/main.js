@@ -8,7 +8,7 @@ import { FacetMap } from './facetmap.js';
 import { download, fillSaveMenu, listenToMenus } from './files.js';
 import { MODES } from './modes.js';
 import { Opening } from './opening.js';
-import { Picture } from './picture.js';
+import { Picture, pictureWords } from './picture.js';
 import { Profile } from './profile.js';
 import { Scores } from './scores.js';
 import { Sliders } from './sliders.js';
@@ -38,7 +38,7 @@ const around = new Around(find(document, '.around'), (crown, pavilion) => {
     store.set({ cut: { ...store.state.cut, values } }, `Crown ${number(crown, 2)}°, pavilion ${number(pavilion, 2)}°`);
 });
 const picture = new Picture(find(document, '.picture'), (wanted) =>
-    store.set({ picture: wanted }, wanted ? `Picture in the set-up ${wanted.setup}` : 'No picture'));
+    store.set({ picture: wanted }, wanted ? pictureWords(wanted) : 'No picture'));
 let frame = null;
 let held = null;
 let present = {}; // of a design, what its tiers have by now

@@ -107,6 +107,9 @@ function checked(state, plain) {
     if (!isNumber(out.head)) out.head = plain.head;
     if (!Array.isArray(out.measures)) out.measures = [];
     if (!data.setups.includes(out.picture?.setup)) out.picture = null;
+    const { setting, metal } = out.picture ?? {};
+    const isHeld = (setting === undefined || data.settings.includes(setting)) && (metal === undefined || data.metals.includes(metal));
+    if (!isHeld) out.picture = { ...out.picture, setting: undefined, metal: undefined };
     out.name = String(out.name).slice(0, 100);
     return out;
 }
