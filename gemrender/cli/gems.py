@@ -92,7 +92,7 @@ class GemOptions:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SettingOptions:
-    """What holds pictured stones, and the finish of their girdles."""
+    """What holds pictured stones, the finish of their girdles, and filters before camera and lights."""
 
     setting: Annotated[
         str | None,
@@ -121,6 +121,26 @@ class SettingOptions:
             ("polished", "faceted", "bruted"),
             "Finish of the stones' girdles.",
             metavar="WORD",
+            rich_help_panel=GEMS,
+        ),
+    ] = None
+    analyser: Annotated[
+        float | None,
+        number_option(
+            "--analyser",
+            "degrees",
+            "Angle of a polarising filter before the camera, from the picture's horizontal.",
+            metavar="DEGREES",
+            rich_help_panel=GEMS,
+        ),
+    ] = None
+    polariser: Annotated[
+        float | None,
+        number_option(
+            "--polariser",
+            "degrees",
+            "Angle of a polarising filter before all lights, as the camera sees it.",
+            metavar="DEGREES",
             rich_help_panel=GEMS,
         ),
     ] = None

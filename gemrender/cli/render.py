@@ -192,6 +192,8 @@ def render(
         setting=held.setting,
         metal=held.metal,
         girdle=held.girdle,
+        analyser=held.analyser,
+        polariser=held.polariser,
         size=size,
         aspect=aspect,
         quality=quality,

@@ -43,7 +43,10 @@ __all__ = ["scene"]
 
 #: Options of the scored scene, and those of a picture's.
 _OF_SCORES = ("resolution", "fresnel", "rear", "intensity", "tilt", "tilt_azimuth")
-_OF_PICTURES = ("stock", "carat", "diameter", "c_axis", "size", "spp", "setting", "metal", "girdle")
+_OF_PICTURES = (
+    "stock", "carat", "diameter", "c_axis", "size", "spp",
+    "setting", "metal", "girdle", "analyser", "polariser",
+)  # fmt: skip
 #: Stones that a picture's file is named after at most.
 _MOST_NAMED = 3
 
@@ -81,11 +84,13 @@ def scene(
         _scored(stones, out, trace_options(engine, model, view), gem.material)
         return
 
+    from gemrender.render.shots import filtered
     from gemrender.render.shots import held as held_in
     from gemrender.scene.setup import load_setup
 
     gems = load_gems(stones, gem)
     around = held_in(load_setup(setup), setting=held.setting, metal=held.metal, girdle=held.girdle)
+    around = filtered(around, analyser=held.analyser, polariser=held.polariser)
     if not _is_given(context, "variant"):
         variant = "llvm_ad_rgb" if stock else "llvm_ad_spectral"
     _picture(stones, gems, around, out, variant, picture_size(size), spp, stock)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import drjit as dr
 import mitsuba as mi
 
+from gemrender.plugins.polarisation import at_interface, mirrored, refracted_field
 from gemrender.plugins.rough import scattered
 from gemrender.plugins.spectra import mean_of
 from gemrender.plugins.stones import RAY_OFFSET, reflectance
@@ -70,7 +71,9 @@ def is_diffuse(flags: mi.UInt32) -> mi.Bool:
 
 
 @dr.syntax
-def split(stones, stone, p, d, n, β, parted, wavelengths, time, chance, depth, max_depth, direct, active):  # type: ignore[no-untyped-def]  # dr.syntax
+def split(  # type: ignore[no-untyped-def]  # dr.syntax
+    stones, stone, p, d, n, β, parted, field, wavelengths, time, chance, depth, max_depth, direct, active
+):
     """Follow all ways of light through a stone that is met from outside; see `gem_path`.
 
     Parameters
@@ -83,6 +86,8 @@ def split(stones, stone, p, d, n, β, parted, wavelengths, time, chance, depth, 
         Where, in which direction, and the outward normal there.
     β, parted : Spectrum, Bool
         Throughput, and whether its wavelengths have parted.
+    field : Field
+        Its polarisation, where there are polarising filters.
     wavelengths, time : Spectrum, Float
         Of the ray [nm, s].
     chance : PCG32
@@ -105,6 +110,10 @@ def split(stones, stone, p, d, n, β, parted, wavelengths, time, chance, depth, 
     eta = stones.index(stone, wavelengths, active)
     cos_stone = dr.safe_sqrt(1 - (1 - dr.square(cos_air)) / dr.square(eta))
     reflected = reflectance(cos_air, cos_stone, eta)
+    side_seen = mi.Float(1)  # what filters leave of light along that branch
+    if dr.hint(stones.filters is not None, mode="scalar"):
+        reflected, side_field = mirrored(field, d, n, cos_air, eta)
+        side_seen = stones.filters.passes(side_field, d + 2 * cos_air * n)
 
     side = mi.Bool(active)  # whether there is a branch outside to look along
     side_o = mi.Point3f(p + RAY_OFFSET * stones.size * n)
@@ -124,6 +133,9 @@ def split(stones, stone, p, d, n, β, parted, wavelengths, time, chance, depth, 
     β_in, n_in, d_in = stones.enter(entering, eta, d, n, cos_air, channel, part)
     start = mi.Point3f(stones.inwards(p, n))
     inside = mi.Bool(active)
+    first_field, first_d, first_n = field, mi.Vector3f(d), mi.Vector3f(n)
+    if dr.hint(stones.filters is not None, mode="scalar"):
+        field = refracted_field(first_field, first_d, first_n, cos_air, n_in, d_in)
 
     # A rough girdle: one way by chance, with all the light, and of one wavelength where they part.
     if dr.hint(stones.any_rough, mode="scalar"):
@@ -149,7 +161,7 @@ def split(stones, stone, p, d, n, β, parted, wavelengths, time, chance, depth, 
         # ---- Along the branch outside ----
         branch = mi.Ray3f(side_o, side_d, time, wavelengths)
         found, Le = stones.outside(branch, side)
-        L += dr.select(side, side_β * Le, 0)
+        L += dr.select(side, side_β * Le * side_seen, 0)
         met_branch = Branch(mean_of(side_β), side_o, side_d, side_β, side_parted, side_depth)
         number = chance.next_float32()
         for k in range(stones.n_ways):
@@ -174,6 +186,10 @@ def split(stones, stone, p, d, n, β, parted, wavelengths, time, chance, depth, 
             leaves = dr.select(rough, outside, leaves)
             back = dr.select(rough, dr.select(outside, mi.Float(0), 1), back)
             d_out, d_back = dr.select(rough, d_one, d_out), dr.select(rough, d_one, d_back)
+        if dr.hint(stones.filters is not None, mode="scalar"):
+            share, field, side_field = at_interface(field, d, n, cos_i, n_in, d_back, dr.normalize(d_out))
+            back = dr.select(leaves, share, 1)
+            side_seen = stones.filters.passes(side_field, dr.normalize(d_out))
         side = leaves & (in_depth + 2 <= max_depth)
         side_o = mi.Point3f(p + RAY_OFFSET * stones.size * n)
         side_d = dr.normalize(d_out)
@@ -202,6 +218,9 @@ def split(stones, stone, p, d, n, β, parted, wavelengths, time, chance, depth, 
                 β_in = dr.select(this, ways[k][0], β_in)
                 n_in = dr.select(this, ways[k][1], n_in)
                 d = dr.select(this, ways[k][2], d)
+            if dr.hint(stones.filters is not None, mode="scalar"):
+                entered = refracted_field(first_field, first_d, first_n, cos_air, n_in, d)
+                field = dr.select(again, entered, field)
             p = dr.select(again, start, p)
             in_depth = dr.select(again, depth + 1, in_depth)
             inside |= again

@@ -10,7 +10,7 @@ from gemrender.errors import InputError
 from gemrender.optics import Material, load_material
 from gemrender.optics.material import VISIBLE_NM
 from gemrender.optics.principal import along_axes
-from gemrender.plugins.properties import number, truth
+from gemrender.plugins.properties import direction, number, truth
 from gemrender.plugins.spectra import FIRST_NM, LAST_NM
 
 #: The sodium line, for which stones are scored [nm].
@@ -135,7 +135,7 @@ class GemDielectric(mi.BSDF):
         self.girdle_alpha = number(props, "girdle_alpha", 0.0)
         if not 0 <= self.girdle_alpha <= 1:
             raise InputError("must be from 0 to 1", key="girdle_alpha", value=self.girdle_alpha)
-        self.axis = _direction(props, "axis", (0.0, 0.0, 1.0))
+        self.axis = direction(props, "axis", (0.0, 0.0, 1.0))
         self.crystal_axes = _crystal_axes(props)
         grid = np.arange(FIRST_NM, LAST_NM + 1, dtype=np.float64)
         of_range = np.clip(grid, *VISIBLE_NM)
@@ -264,9 +264,9 @@ class GemDielectric(mi.BSDF):
 
 def _crystal_axes(props: mi.Properties) -> np.ndarray:
     """Return the optic frame, (3, 3): rows are its axes in the world, unit vectors, right-handed."""
-    third = _direction(props, "c_axis", (0.0, 0.0, 1.0))
+    third = direction(props, "c_axis", (0.0, 0.0, 1.0))
     if "a_axis" in props:
-        first = _direction(props, "a_axis", (1.0, 0.0, 0.0))
+        first = direction(props, "a_axis", (1.0, 0.0, 0.0))
         off = abs(float(first @ third))
         if off > _ACROSS:
             angle = np.degrees(np.arcsin(min(off, 1.0)))
@@ -280,15 +280,6 @@ def _crystal_axes(props: mi.Properties) -> np.ndarray:
     first = first - (first @ third) * third
     first /= np.linalg.norm(first)
     return np.array([first, np.cross(third, first), third])
-
-
-def _direction(props: mi.Properties, key: str, default: tuple[float, float, float]) -> np.ndarray:
-    """Read a direction, as a unit vector."""
-    given = np.array(props.get(key, mi.ScalarVector3f(*default)), dtype=np.float64)
-    length = np.linalg.norm(given)
-    if not 0 < length < np.inf:
-        raise InputError("must be a vector that is not 0", key=key, value=given.tolist())
-    return np.asarray(given / length)
 
 
 mi.register_bsdf("gem_dielectric", lambda props: GemDielectric(props))

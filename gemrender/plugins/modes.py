@@ -8,6 +8,8 @@ import drjit as dr
 import mitsuba as mi
 
 from gemrender.plugins.branches import NEGLIGIBLE, ROULETTE_INSIDE, Branch
+from gemrender.plugins.polarisation import Field
+from gemrender.plugins.polarisation import mirrored as mirrored_light
 from gemrender.plugins.rough import scattered
 from gemrender.plugins.spectra import mean_of
 from gemrender.plugins.stones import RAY_OFFSET
@@ -37,6 +39,8 @@ class Met:
         A number in [0, 1) for the next facet.
     rough : Bool
         Whether the facet is ground.
+    field : Field
+        The field of what leaves, from inside, where there are polarising filters.
     """
 
     passes: mi.Float
@@ -46,10 +50,11 @@ class Met:
     second: mi.Bool
     u: mi.Float
     rough: mi.Bool
+    field: Field
 
 
 @dr.syntax
-def meet(stones, stone, principal, n, k, mode, entering, u, chance, active):  # type: ignore[no-untyped-def]  # dr.syntax
+def meet(stones, stone, principal, n, k, mode, entering, field, u, chance, active):  # type: ignore[no-untyped-def]  # dr.syntax
     """Return what a facet does to light, as `Met`; a mode that goes on is drawn by its share.
 
     Parameters
@@ -62,6 +67,8 @@ def meet(stones, stone, principal, n, k, mode, entering, u, chance, active):  # 
         Outward normal of the facet, and wave vector: that outside where light comes from there.
     mode, entering : Bool
         Whether the wave is of the second mode, and whether light comes from outside.
+    field : Field
+        Polarisation of light from outside, where there are polarising filters.
     u : Float
         A number in [0, 1) that draws the mode. What is left of it draws the next one: so numbers that are
         evenly spread, as a pixel's are, are so over whole ways.
@@ -71,13 +78,16 @@ def meet(stones, stone, principal, n, k, mode, entering, u, chance, active):  # 
         Which lanes meet a facet.
     """
     along = k - dr.dot(k, n) * n
-    # What enters is what would leave, reversed: a mode takes half of that, unpolarised light having two
+    # What enters is what would leave, reversed: a mode takes half of that of unpolarised light
     kt = dr.select(entering, -along, along)
     facet = stones.crystals.at_facet(stone, principal, kt, n, active)
     into = []
     for j in range(2):
         share = dr.select(mode, facet.reflected[1][j], facet.reflected[0][j])
-        into.append(dr.select(entering, 0.5 * facet.passed[j], share))
+        part = mi.Float(0.5)  # of unpolarised light
+        if dr.hint(stones.filters is not None, mode="scalar"):
+            part = field.share(facet.fields[j])
+        into.append(dr.select(entering, part * facet.passed[j], share))
     stays = into[0] + into[1]
     passes = dr.select(entering, 1 - stays, dr.select(mode, facet.passed[1], facet.passed[0]))
     drawn = u * stays
@@ -100,12 +110,21 @@ def meet(stones, stone, principal, n, k, mode, entering, u, chance, active):  # 
         second = dr.select(rough, chance.next_float32() < 0.5, second)
         going = dr.select(rough, Mode(mean * d, d, mi.Vector3f(1 / 3)), going)
         out = dr.select(rough, d, out)
-    return Met(passes, stays, dr.normalize(out), going, second, rest, rough)
+    return Met(
+        passes,
+        stays,
+        dr.normalize(out),
+        going,
+        second,
+        rest,
+        rough,
+        dr.select(mode, facet.fields[1], facet.fields[0]),
+    )
 
 
 @dr.syntax
 def split_modes(  # type: ignore[no-untyped-def]  # dr.syntax
-    stones, stone, p, d, n, β, parted, wavelengths, time, u, chance, depth, max_depth, direct, active
+    stones, stone, p, d, n, β, parted, field, wavelengths, time, u, chance, depth, max_depth, direct, active
 ):
     """Follow the ways of light through a birefringent stone that is met from outside; as `branches.split`.
 
@@ -134,6 +153,13 @@ def split_modes(  # type: ignore[no-untyped-def]  # dr.syntax
     side_o, side_d, side_β = mi.Point3f(start_out), mi.Vector3f(mirrored), mi.Spectrum(0)
     side_parted, side_depth, side_way = mi.Bool(parted), depth + 1, mi.UInt32(0)
     mirrors = mi.Spectrum(0)  # share of each wavelength that is mirrored at once
+    side_seen, mirrored_seen = mi.Float(1), mi.Float(1)  # what filters leave of light along that branch
+    if dr.hint(stones.filters is not None, mode="scalar"):
+        # As of a surface of the ordinary index
+        _, mirrored_field = mirrored_light(
+            field, d, n, -dr.dot(d, n), stones.index(stone, wavelengths, active)
+        )
+        mirrored_seen = stones.filters.passes(mirrored_field, mirrored)
 
     entering = mi.Bool(active)  # whether the way begins here
     inside = mi.Bool(active)
@@ -150,7 +176,7 @@ def split_modes(  # type: ignore[no-untyped-def]  # dr.syntax
         # ---- Along the branch outside ----
         branch = mi.Ray3f(side_o, side_d, time, wavelengths)
         found, Le = stones.outside(branch, side)
-        L += dr.select(side, side_β * Le, 0)
+        L += dr.select(side, side_β * Le * side_seen, 0)
         met_branch = Branch(mean_of(side_β), side_o, side_d, side_β, side_parted, side_depth)
         number = chance.next_float32()
         for way in range(stones.n_ways):
@@ -164,7 +190,7 @@ def split_modes(  # type: ignore[no-untyped-def]  # dr.syntax
         p = dr.select(on, p + t * wave.ray, p)
         β_in *= stones.transmittance_of_mode(stone, wavelengths, wave.absorbs, t, on)
         n = dr.select(entering, first_n, n)
-        met = meet(stones, stone, principal, n, wave.k, mode, entering, u, chance, inside)
+        met = meet(stones, stone, principal, n, wave.k, mode, entering, field, u, chance, inside)
 
         # ---- What leaves. All wavelengths are mirrored alike: together, once the last one's share is known
         mirrored_here = dr.select(met.rough, 0, met.passes)
@@ -179,6 +205,9 @@ def split_modes(  # type: ignore[no-untyped-def]  # dr.syntax
         side_o = dr.select(entering, start_out, mi.Point3f(p + RAY_OFFSET * stones.size * n))
         side_d = dr.select(together, mirrored, met.out)
         side_β = dr.select(together, β * mirrors, β_in * met.passes)
+        if dr.hint(stones.filters is not None, mode="scalar"):
+            side_seen = dr.select(together, mirrored_seen, stones.filters.passes(met.field, met.out))
+            side_seen = dr.select(met.rough, 1, side_seen)
         side_parted = dr.select(together, parted, in_parted)
         side_way = dr.select(part & ~together, channel, mi.UInt32(0))
         side_depth = dr.select(entering, depth + 1, in_depth + 1)
@@ -224,6 +253,7 @@ def walk_modes(stones, stone, p, d, n, β, nm, wavelengths, chance, depth, max_d
     """
     crystals = stones.crystals
     principal = crystals.principal(stone, nm, active)
+    field = Field.linear(mi.Vector3f(1, 0, 0))  # light that is drawn by chance is unpolarised
     out_o, out_d = mi.Point3f(p + RAY_OFFSET * stones.size * n), mi.Vector3f(d)
     n, mirrored = mi.Vector3f(n), mi.Vector3f(d - 2 * dr.dot(n, d) * n)
     first_n, p = mi.Vector3f(n), mi.Point3f(p)
@@ -240,7 +270,7 @@ def walk_modes(stones, stone, p, d, n, β, nm, wavelengths, chance, depth, max_d
         β = dr.select(on, β * stones.transmittance_of_mode(stone, wavelengths, wave.absorbs, t, on), β)
         n = dr.select(entering, first_n, n)
         number = chance.next_float32()
-        met = meet(stones, stone, principal, n, wave.k, mode, entering, number, chance, inside)
+        met = meet(stones, stone, principal, n, wave.k, mode, entering, field, number, chance, inside)
         leaves = inside & (chance.next_float32() < met.passes)
         out_o = dr.select(leaves, mi.Point3f(p + RAY_OFFSET * stones.size * n), out_o)
         out_d = dr.select(leaves, dr.select(entering & ~met.rough, mirrored, met.out), out_d)

@@ -13,7 +13,8 @@ from gemrender.plugins.caustics import Caustics
 from gemrender.plugins.checks import SceneCheck
 from gemrender.plugins.direct import MOST_LIGHTS, direct_light, mis_weight, one_light
 from gemrender.plugins.modes import split_modes, walk_modes
-from gemrender.plugins.properties import truth, whole_number
+from gemrender.plugins.polarisation import Field, Filters
+from gemrender.plugins.properties import direction, truth, whole_number
 from gemrender.plugins.spectra import mean_of
 from gemrender.plugins.stones import RAY_OFFSET, Stones
 from gemrender.plugins.walk import LATE, LATE_SURVIVAL, walk
@@ -37,6 +38,16 @@ class PathIntegrator(mi.SamplingIntegrator):
      * - max_depth
        - |int|
        - Number of segments after which a path is cut off, as for ``path``; -1 for none. (Default: -1)
+       -
+
+     * - analyser
+       - |vector|
+       - Axis along which a polarising filter before the camera lets light through. (Default: no filter)
+       -
+
+     * - polariser
+       - |vector|
+       - The same of a filter before all lights. (Default: no filter)
        -
 
      * - aovs
@@ -118,6 +129,10 @@ class PathIntegrator(mi.SamplingIntegrator):
             raise InputError("gem_path takes unpolarised variants only", key="variant", value=mi.variant())
         self.max_depth = whole_number(props, "max_depth", -1, least=-1)
         self.aovs = truth(props, "aovs", False)
+        #: Axes of the polarising filters, unit vectors; None is no filter.
+        self.analyser, self.polariser = (
+            direction(props, key) if key in props else None for key in ("analyser", "polariser")
+        )
         self.scene_check = SceneCheck()
 
     def aov_names(self) -> list[str]:
@@ -161,9 +176,20 @@ class PathIntegrator(mi.SamplingIntegrator):
         radiance, valid, aovs = self.sample_with_aovs(scene, sampler, ray, active)
         return radiance, valid, aovs if self.aovs else []
 
-    def caustics(self, scene: mi.Scene, sensor: mi.Sensor) -> Caustics:
-        """Return what traces the light of a checked scene that stones throw on diffuse surfaces."""
+    def caustics(self, scene: mi.Scene, sensor: mi.Sensor) -> Caustics | None:
+        """Return what traces the light of a checked scene that stones throw on diffuse surfaces.
+
+        None where there are polarising filters: light is followed from the eye only then.
+        """
+        if self.filters() is not None:
+            return None
         return Caustics(scene, sensor, self.scene_check, self.max_depth)
+
+    def filters(self) -> Filters | None:
+        """Return the polarising filters; None where there are none."""
+        if self.analyser is None and self.polariser is None:
+            return None
+        return Filters(self.analyser, self.polariser)
 
     def sample_with_aovs(
         self,
@@ -181,7 +207,7 @@ class PathIntegrator(mi.SamplingIntegrator):
         pixel together with the places in it, that draw the modes in the first stone, if it is birefringent.
         """
         with dr.suspend_grad():
-            stones = Stones(scene, sampler, self.scene_check)
+            stones = Stones(scene, sampler, self.scene_check, self.filters())
             radiance, valid, albedo, normal = self._radiance(
                 scene, stones, sampler, mi.Ray3f(ray), mi.Bool(active), caustics, modes_by
             )
@@ -223,6 +249,12 @@ class PathIntegrator(mi.SamplingIntegrator):
         )
         chance = mi.PCG32(1, mi.UInt64(seeds[0]), mi.UInt64(seeds[1]))
 
+        field, looked_at = Field.linear(mi.Vector3f(1, 0, 0)), mi.Float(1)
+        if dr.hint(stones.filters is not None, mode="scalar"):
+            β *= stones.filters.leaves
+            field = stones.filters.begins(ray.d, mi.Bool(True), chance.next_float32())
+            looked_at = stones.filters.passes(field, ray.d)
+
         while dr.hint(active, label="gem_path"):
             si = scene.ray_intersect(ray, mi.RayFlags.AllNonDifferentiable, False, active)
             stone = stones.of(si, active)
@@ -239,7 +271,8 @@ class PathIntegrator(mi.SamplingIntegrator):
             light = emitter.eval(si, active & ~on_stone)
             traced = active & ~on_stone & first_diffuse & last_diffuse & through
             share = _of_eye(caustics, dr.select(through, of_eye, 0), emitter, si, ray, traced)
-            L += dr.select(active & ~on_stone & ~dark, β * mis * share * light, 0)
+            L += dr.select(active & ~on_stone & ~dark, β * mis * share * light * looked_at, 0)
+            looked_at = mi.Float(1)
 
             # ---- What a denoiser wants to know ----
 
@@ -287,8 +320,10 @@ class PathIntegrator(mi.SamplingIntegrator):
             birefringent = mi.Bool(False)
             if dr.hint(stones.crystals.any, mode="scalar"):
                 birefringent = stones.crystals.among(stone, arrives)
+            if dr.hint(stones.filters is not None, mode="scalar"):
+                field = stones.filters.begins(d, depth == 0, chance.next_float32())
             Le, drawn, part = split(
-                stones, stone, si.p, d, n, β, parted, ray.wavelengths, ray.time,
+                stones, stone, si.p, d, n, β, parted, field, ray.wavelengths, ray.time,
                 chance, depth, max_depth, direct, splits & ~birefringent,
             )  # fmt: skip
             L += dr.select(splits & ~birefringent, Le, 0)
@@ -297,7 +332,7 @@ class PathIntegrator(mi.SamplingIntegrator):
                 if dr.hint(modes_by is not None, mode="scalar"):
                     number = dr.select(depth == 0, modes_by, number)
                 Le, drawn_modes, part_modes = split_modes(
-                    stones, stone, si.p, d, n, β, parted, ray.wavelengths, ray.time,
+                    stones, stone, si.p, d, n, β, parted, field, ray.wavelengths, ray.time,
                     number, chance, depth, max_depth, direct, splits & birefringent,
                 )  # fmt: skip
                 L += dr.select(splits & birefringent, Le, 0)

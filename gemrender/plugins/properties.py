@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import mitsuba as mi
+import numpy as np
 
 from gemrender.errors import InputError
 
@@ -41,3 +42,15 @@ def truth(props: mi.Properties, key: str, default: bool) -> bool:
     if not isinstance(value, bool):
         raise InputError("must be true or false", key=key, value=value)
     return value
+
+
+def direction(
+    props: mi.Properties, key: str, default: tuple[float, float, float] | None = None
+) -> np.ndarray:
+    """Read a direction, as a unit vector (3,)."""
+    value = props[key] if default is None else props.get(key, mi.ScalarVector3f(*default))
+    given = np.array(value, dtype=np.float64)
+    length = np.linalg.norm(given)
+    if given.shape != (3,) or not 0 < length < np.inf:
+        raise InputError("must be a vector that is not 0", key=key, value=given.tolist())
+    return np.asarray(given / length)

@@ -8,6 +8,7 @@ import numpy as np
 
 from gemrender.plugins.checks import RAY_OFFSET, SceneCheck, is_stone
 from gemrender.plugins.crystals import Crystals
+from gemrender.plugins.polarisation import Filters
 from gemrender.plugins.spectra import N_ROWS, mean_of, parting_colour, row_of, tabulated
 from gemrender.scene.convex import PlacedSolid
 from gemrender.scene.shapes import FLAT
@@ -33,6 +34,8 @@ class Stones:
         Source of the wavelength of a path in RGB variants.
     check : SceneCheck, optional
         What has checked the scene before.
+    filters : Filters, optional
+        Polarising filters, where light's polarisation is to be followed.
 
     Raises
     ------
@@ -40,7 +43,14 @@ class Stones:
         The scene is none that light can be followed through; see `SceneCheck`.
     """
 
-    def __init__(self, scene: mi.Scene, sampler: mi.Sampler, check: SceneCheck | None = None) -> None:
+    def __init__(
+        self,
+        scene: mi.Scene,
+        sampler: mi.Sampler,
+        check: SceneCheck | None = None,
+        filters: Filters | None = None,
+    ) -> None:
+        self.filters = filters
         by_shape = {stone.ptr: stone for stone in (check or SceneCheck()).stones(scene)}
         shapes = scene.shapes()
         of_shape = {int(dr.reinterpret_array(mi.UInt32, mi.ShapePtr(s))[0]): s for s in shapes}

@@ -13,6 +13,8 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 
+from gemrender.plugins.polarisation import Field
+
 __all__ = ["Facet", "Mode", "Shares", "Wave", "complex_root", "shares", "uniaxial"]
 
 #: Waves closer to the optic axis than this [sine] are taken as of an axis that is as far off, where the two
@@ -116,12 +118,15 @@ class Shares:
         Share of the energy of a wave of one mode that goes on in each: ``reflected[of][into]``.
     passed : two Float
         Share that leaves the stone.
+    fields : two Field
+        The field of what leaves, outside.
     """
 
     out: list[Mode]
     back: list[Mode]
     reflected: list[list[mi.Float]]
     passed: list[mi.Float]
+    fields: list[Field]
 
 
 def complex_root(x: Any) -> Any:
@@ -220,8 +225,9 @@ def shares(facet: Facet, out: tuple[Wave, Wave], back: tuple[Wave, Wave]) -> Sha
 
     (a0, b0), (a1, b1) = (residues(wave) for wave in back)
     flux = [dr.maximum(-wave.flux, 0) for wave in back]
-    determinant = dr.squared_norm(a0 * b1 - a1 * b0)
-    reflected, passed = [], []
+    mixed = a0 * b1 - a1 * b0
+    determinant = dr.squared_norm(mixed)
+    reflected, passed, fields = [], [], []
     for wave in out:
         a, b = residues(wave)
         unit = dr.rcp(dr.maximum(determinant * wave.flux, 1e-30))
@@ -231,8 +237,19 @@ def shares(facet: Facet, out: tuple[Wave, Wave], back: tuple[Wave, Wave]) -> Sha
         over = dr.select(total | (whole > 1), dr.rcp(whole), 1)
         reflected.append([mi.Float(share * over) for share in shared])
         passed.append(mi.Float(dr.select(total, 0, dr.maximum(1 - whole, 0))))
+        of = [x / mixed for x in amplitudes]
+        e_t, e_s = wave.e_t - of[0] * back[0].e_t, wave.e_s - of[0] * back[0].e_s
+        fields.append(_outside(facet, e_t - of[1] * back[1].e_t, e_s - of[1] * back[1].e_s))
     towards, away = ([_mode(facet, wave) for wave in pair] for pair in (out, back))
-    return Shares(towards, away, reflected, passed)
+    return Shares(towards, away, reflected, passed, fields)
+
+
+def _outside(facet: Facet, e_t: Any, e_s: Any) -> Field:
+    """Return the field of light outside, of its tangential parts."""
+    k_z = dr.safe_sqrt(1 - dr.square(facet.κ))
+    p = k_z * facet.t - facet.κ * facet.n  # s x k
+    single = [mi.Complex2f(mi.Float(dr.real(x)), mi.Float(dr.imag(x))) for x in (e_t, e_s)]
+    return Field.of(facet.s, single[1] * k_z, p, single[0])
 
 
 def _mode(facet: Facet, wave: Wave) -> Mode:

@@ -32,6 +32,8 @@ def render(
     setting: str | None = None,
     metal: str | None = None,
     girdle: str | None = None,
+    analyser: float | None = None,
+    polariser: float | None = None,
     size: int | str | Sequence[int] = 1024,
     aspect: str | Sequence[float] | None = None,
     quality: str | None = None,
@@ -85,6 +87,9 @@ def render(
         Metal of the setting.
     girdle : {"polished", "faceted", "bruted"}, optional
         Finish of the stones' girdles.
+    analyser, polariser : float, optional
+        Angles of polarising filters before the camera and before all lights: of the axes along which they let
+        light through, from the picture's horizontal, anticlockwise [deg]; by default what the set-up says.
     size : int, str or (int, int)
         Side of the picture, or width and height [pixels].
     aspect : str or (float, float), optional
@@ -152,6 +157,8 @@ def render(
         setting=setting,
         metal=metal,
         girdle=girdle,
+        analyser=analyser,
+        polariser=polariser,
         size=size,
         aspect=aspect,
         quality=quality,
@@ -183,6 +190,8 @@ class FilmOptions(TypedDict, total=False):
     setting: str | None
     metal: str | None
     girdle: str | None
+    analyser: float | None
+    polariser: float | None
     size: int | str | Sequence[int]
     aspect: str | Sequence[float] | None
     quality: str | None

@@ -186,6 +186,8 @@ def prepare(
     setting: str | None = None,
     metal: str | None = None,
     girdle: str | None = None,
+    analyser: float | None = None,
+    polariser: float | None = None,
     size: int | str | Sequence[int] = 1024,
     aspect: str | Sequence[float] | None = None,
     quality: str | None = None,
@@ -228,6 +230,7 @@ def prepare(
     )
     around = setup if isinstance(setup, Setup) else load_setup(_path("setup", setup))
     around = held(around, setting=setting, metal=metal, girdle=girdle)
+    around = filtered(around, analyser=analyser, polariser=polariser)
     bins_nm = _bins(bins, range)
     if abs(_number("exposure", exposure) + around.exposure) > EV_LIMIT:
         allowed = f"must be from {-EV_LIMIT:g} to {EV_LIMIT:g} with the set-up's own, {around.exposure:g}"
@@ -274,6 +277,18 @@ def held(
     if made.type != "none" and setup.pose == "table-down":
         raise InputError("must be none where stones lie table-down", key="setting", value=made.type)
     return replace(setup, setting=made, girdle=girdle or setup.girdle)
+
+
+def filtered(setup: Setup, *, analyser: float | None = None, polariser: float | None = None) -> Setup:
+    """Return a set-up with other polarising filters, where their angles are given [deg].
+
+    Raises
+    ------
+    InputError
+        An angle that is no number from -360 to 360.
+    """
+    given = {key: x for key, x in (("analyser", analyser), ("polariser", polariser)) if x is not None}
+    return replace(setup, filters=replace(setup.filters, **given)) if given else setup
 
 
 def picture_size(size: int | str | Sequence[int], aspect: str | Sequence[float] | None) -> tuple[int, int]:

@@ -200,6 +200,9 @@ def photoreal_scene(
     }
     if stock:
         scene["integrator"]["rr_depth"] = 32
+    else:
+        _, right, up, _ = frame(setup.camera, seen, target, width / height)
+        scene["integrator"] |= setup.filters.axes(right, up)
     scene |= lights(setup, target, stock)
     scene |= sky(setup, target, stock)
     built: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {}

@@ -22,6 +22,7 @@ from gemrender.reading import (
     text_line,
 )
 from gemrender.scene import setup_checks as check
+from gemrender.scene.filters import Filters
 from gemrender.scene.settings.setting import Setting
 from gemrender.scene.sky_boxes import Box, boxes_of
 from gemrender.scene.things import Thing, things_of
@@ -37,6 +38,7 @@ __all__ = [
     "POSES",
     "Box",
     "Camera",
+    "Filters",
     "Ground",
     "Light",
     "Setting",
@@ -292,6 +294,8 @@ class Setup:
         What holds each of the stones. A stone in one stands table up, whether its pose is that or lying.
     things : tuple of Thing
         Meshes beside the stones.
+    filters : Filters
+        Polarising filters before the camera and the lights.
     source : str or None
         The file, for error messages.
     """
@@ -312,6 +316,7 @@ class Setup:
     ground: Ground = field(default_factory=Ground)
     setting: Setting = field(default_factory=Setting)
     things: tuple[Thing, ...] = ()
+    filters: Filters = field(default_factory=Filters)
     source: str | None = None
 
     def __post_init__(self) -> None:
@@ -389,7 +394,8 @@ def load_setup(setup: str | os.PathLike[str]) -> Setup:
         values["name"] = mistakes.of(text_line, top, "name", stem(path, "set-up"), 100)
         values["about"] = mistakes.of(text_line, top, "about", "", 1000, empty=True)
         before = len(mistakes.errors)
-        for key, part in (("camera", Camera), ("sky", Sky), ("ground", Ground), ("setting", Setting)):
+        parts = {"camera": Camera, "sky": Sky, "ground": Ground, "setting": Setting, "filters": Filters}
+        for key, part in parts.items():
             if key in top:
                 values[key] = mistakes.of(_part, part, top, key, mistakes)
         if (image := getattr(values.get("sky"), "image", "")) and (place := path.parent / image):
@@ -400,7 +406,7 @@ def load_setup(setup: str | os.PathLike[str]) -> Setup:
         values["things"] = mistakes.of(things_of, top.get("thing", []), path.parent, mistakes)
         if len(mistakes.errors) > before:  # other parts in their place, for the other keys to be checked
             values |= {"camera": Camera(), "sky": Sky(radiance=1.0), "ground": Ground(), "lights": ()}
-            values |= {"setting": Setting(), "things": ()}
+            values |= {"setting": Setting(), "filters": Filters(), "things": ()}
         made = mistakes.of(Setup, **values, source=source)
     assert made is not None
     return made

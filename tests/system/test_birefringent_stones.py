@@ -8,7 +8,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
-from physics_tolerances import THREE_SIGMA
+from physics_tolerances import SLAB, THREE_SIGMA
 from solids import bent_stone
 from thorough import chosen
 
@@ -32,6 +32,8 @@ STONES = {
 ALONG, ACROSS, ASKEW = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.3, -0.5, 0.8)
 #: Where a ray leaves a plate [its thickness]: directions in single precision, and a start off the facet.
 PLACE = 1e-5
+#: Shares of light after a few facets, in single precision.
+SINGLE_SHARE = 2e-6
 #: Angles between directions in single precision, from arccos [rad].
 ANGLE = 5e-4
 #: Where a ray along the axis leaves a plate, as kernels take the axis to be 2e-3 off: less than that.
@@ -60,17 +62,23 @@ def mesh(stone, **surface):
     return placed_mesh(placed, {"type": "gem_dielectric", **surface})
 
 
-def scene_of(stone, light=FURNACE, half_width=0.6, **surface):
+def scene_of(stone, half_width=0.6, filters=None, **surface):
     film = {"type": "hdrfilm", "width": 32, "height": 32, "rfilter": {"type": "box"}}
     to_world = mi.ScalarTransform4f().look_at([0, 0, 10], [0, 0, 0], [0, 1, 0])
     camera = {"type": "orthographic", "to_world": to_world.scale([half_width, half_width, 1]), "film": film}
-    parts = {"type": "scene", "integrator": {"type": "gem_path"}, "light": light, "sensor": camera}
+    integrator = {"type": "gem_path", **(filters or {})}
+    parts = {"type": "scene", "integrator": integrator, "light": FURNACE, "sensor": camera}
     return mi.load_dict({**parts, "stone": mesh(stone, **surface)})
+
+
+def error_of_mean(error):
+    """Standard error of the mean over all pixels."""
+    return math.sqrt(float((error.astype(float) ** 2).sum())) / np.size(error)
 
 
 def off_by(mean, error, expected=1.0):
     """How far the mean over all pixels is off, in its standard errors; also what these are."""
-    of_mean = math.sqrt(float((error.astype(float) ** 2).sum())) / np.size(error)
+    of_mean = error_of_mean(error)
     return (float(np.mean(mean)) - expected) / of_mean, of_mean
 
 
@@ -148,8 +156,8 @@ def walked(scene, n, *, origin=None, direction=(0.0, 0.0, -1.0), nm=589.3, segme
 
 def of_calcite():
     """Ordinary and extraordinary index at the sodium line."""
-    n_o, _, n_e = (float(x) for x in load_material("calcite").crystal.along_axes(np.array([589.3]))[:, 0])
-    return n_o, n_e
+    n_o, n_e = load_material("calcite").crystal.principal_indices(589.3)
+    return float(n_o), float(n_e)
 
 
 def test_light_walks_through_a_birefringent_stone_and_comes_out(variant_llvm_ad_spectral):
@@ -228,3 +236,68 @@ def test_along_the_axis_there_is_one_image(variant_llvm_ad_spectral):
     assert left.all()
     np.testing.assert_allclose(end[:, 0], begin[:, 0], atol=OFF_AXIS)
     np.testing.assert_allclose(np.abs(direction[:, 2]), 1, atol=PLACE)
+
+
+# ---- Polarising filters --------------------------------------------------------------------------------
+
+CROSSED = {"analyser": [1.0, 0.0, 0.0], "polariser": [0.0, 1.0, 0.0]}
+
+
+def seen(filters, nm=589.3, **surface):
+    """Mean radiance of a plate under light of radiance 1, and its error."""
+    mean, error = Passes(scene_of(plate(), filters=filters, **surface), seed=6).radiance_at(nm, 128)
+    return float(np.mean(mean)), max(error_of_mean(error), SINGLE_SHARE)
+
+
+def test_a_thick_plate_at_45_degrees_between_crossed_filters_passes_a_quarter(variant_llvm_ad_spectral):
+    # Modes add as energies: of what the plate does not mirror at once, whichever way it leaves, each filter
+    # takes half. What it mirrors stays polarised, and is stopped.
+    mean, error = seen(CROSSED, material="calcite", c_axis=[1.0, 1.0, 0.0])
+    mirrors = np.mean([float(reflectance(1.0, n)) for n in of_calcite()])
+    assert abs(mean - 0.25 * (1 - mirrors)) <= THREE_SIGMA * error
+
+
+@pytest.mark.parametrize("c_axis", [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0)])
+def test_a_plate_along_the_filters_is_dark_between_crossed_ones(variant_llvm_ad_spectral, c_axis):
+    mean, _ = seen(CROSSED, material="calcite", c_axis=list(c_axis))
+    assert mean < SINGLE_SHARE
+
+
+@pytest.mark.parametrize(("turn_deg", "share"), [(0, 0.5), (30, 0.375), (90, 0.0)])
+def test_a_plate_of_one_index_leaves_light_polarised(variant_llvm_ad_spectral, turn_deg, share):
+    # Malus's law, through glass and by it: it lets through and mirrors all that comes straight on
+    turn = math.radians(turn_deg)
+    filters = {"analyser": [1.0, 0.0, 0.0], "polariser": [math.cos(turn), math.sin(turn), 0.0]}
+    mean, error = seen(filters, material="diamond")
+    assert abs(mean - share) <= THREE_SIGMA * error
+
+
+def test_a_filter_before_the_camera_alone_halves_light_from_all_around(variant_llvm_ad_spectral):
+    for surface in ({"material": "diamond"}, {"material": "moissanite", "c_axis": list(ASKEW)}):
+        scene = scene_of(STONES["inoue-3"], filters={"analyser": [1.0, 0.0, 0.0]}, **surface)
+        off, of_mean = off_by(*Passes(scene, seed=7).radiance_at(550.0, 256), expected=0.5)
+        assert of_mean < 1e-4
+        assert abs(off) <= THREE_SIGMA
+
+
+def test_between_crossed_and_along_filters_is_all_that_one_lets_through(variant_llvm_ad_spectral):
+    # Filters at right angles before the lights share light from all around between them
+    total = 0.0
+    for polariser in ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]):
+        filters = {"analyser": [0.6, 0.8, 0.0], "polariser": polariser}
+        scene = scene_of(STONES["inoue-3"], filters=filters, material="moissanite", c_axis=list(ASKEW))
+        mean, _ = Passes(scene, seed=8).radiance_at(550.0, 64)
+        total += float(np.mean(mean))
+    # Both are across the view; of light askew their directions are not quite at right angles
+    assert total == pytest.approx(0.5, abs=0.01)
+
+
+def test_each_window_of_a_dichroscope_shows_one_colour(variant_llvm_ad_spectral):
+    # A filter along the axis passes the extraordinary ray alone, and one across it the ordinary one
+    crystal = load_material("ruby").crystal
+    absorptions = crystal.principal_absorption_per_mm(550.0)[[0, 2]]
+    axes = ([0.0, 1.0, 0.0], [1.0, 0.0, 0.0])
+    for axis, index, absorption in zip(axes, crystal.principal_indices(550.0), absorptions, strict=True):
+        mean, _ = seen({"analyser": axis}, 550.0, material="ruby", c_axis=[1.0, 0.0, 0.0])
+        R, a = float(reflectance(1.0, index)), math.exp(-float(absorption))
+        assert mean == pytest.approx(0.5 * (R + (1 - R) ** 2 * a / (1 - R * a)), rel=SLAB)

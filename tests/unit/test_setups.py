@@ -19,7 +19,8 @@ from gemrender.scene.setup import Camera, Ground, Light, Setup, Sky, Zone, bundl
 from gemrender.scene.zones import layers
 
 BUNDLED = [
-    "arrows", "aset", "fire", "hand", "hearts", "hemisphere", "ideal-scope", "loupe", "macro", "product",
+    "arrows", "aset", "fire", "hand", "hearts", "hemisphere", "ideal-scope", "loupe", "macro", "polariscope",
+    "product",
     "studio", "sun", "velvet", "white", "window",
 ]  # fmt: skip
 SETUPS = Path(gemrender.__file__).parent.parent / "scenes" / "setups"
@@ -203,7 +204,7 @@ def test_any_order_line_ends_and_byte_order_mark_do():
 _SKY_KEYS = "type, radiance, spectrum, zones, image, azimuth, scale, boxes"
 _TOP = (
     "name, about, pose, facing, gap, girdle, white, expose_for, exposure, curve, camera, sky, ground, "
-    "setting, light, thing"
+    "setting, filters, light, thing"
 )
 _OF_CAMERA = "type, elevation, azimuth, distance, margin, aperture, focus"
 _OF_LIGHT = "shape, elevation, azimuth, distance, size, count, radiance, spectrum"
@@ -288,6 +289,12 @@ REFUSED = {
     ),
     "white": (f'white = "d66"\n{SKY}', f"white = 'd66': {_SPECTRUM}"),
     "white that is no number": (f"white = true\n{SKY}", f"white = True: {_SPECTRUM}"),
+    # ---- Polarising filters ----
+    "filter": (f"{SKY}[filters]\nanalyser = 400", "filters.analyser = 400: must be a number from -360 to 360"),
+    "filter's key": (
+        f"{SKY}[filters]\nanalyzer = 4",
+        "filters.analyzer = 4: unknown key; must be one of analyser, polariser; did you mean analyser?",
+    ),
     # ---- The camera ----
     "camera": (
         f'{CAMERA}type = "thinlens"',

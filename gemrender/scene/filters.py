@@ -1,0 +1,56 @@
+"""Polarising filters of a set-up: before the camera, and before all lights."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gemrender.mistakes import Mistakes
+from gemrender.scene import setup_checks as check
+
+__all__ = ["Filters"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Filters:
+    """Polarising filters, by the angles of the axes along which they let light through.
+
+    Angles are from the picture's horizontal, anticlockwise as the camera sees them [deg]; None is no filter.
+
+    Attributes
+    ----------
+    analyser : float or None
+        Of the filter before the camera.
+    polariser : float or None
+        Of that before all lights and the sky.
+
+    Raises
+    ------
+    InputError
+        An angle that is no number from -360 to 360.
+    """
+
+    analyser: float | None = None
+    polariser: float | None = None
+
+    def __post_init__(self) -> None:
+        with Mistakes() as mistakes:
+            for key in ("analyser", "polariser"):
+                if getattr(self, key) is not None:
+                    mistakes.of(check.within, self, key, -360, 360)
+
+    def axes(self, right: np.ndarray, up: np.ndarray) -> dict[str, list[float]]:
+        """Return the axes of those that there are, as parameters of `gem_path`.
+
+        Parameters
+        ----------
+        right, up : (3,) float64
+            The camera's, in the world.
+        """
+        angles = {"analyser": self.analyser, "polariser": self.polariser}
+        return {
+            key: (np.cos(np.radians(angle)) * right + np.sin(np.radians(angle)) * up).tolist()
+            for key, angle in angles.items()
+            if angle is not None
+        }
