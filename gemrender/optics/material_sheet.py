@@ -13,9 +13,11 @@ from gemrender.optics.abbe import (
     FRAUNHOFER_G_NM,
     SODIUM_NM,
 )
+from gemrender.optics.crystals.crystal import Crystal
 from gemrender.optics.dispersion import Formula
 from gemrender.optics.material import Material
 from gemrender.optics.material_files import load_material
+from gemrender.optics.principal import is_pleochroic
 
 __all__ = ["MaterialSheet", "material_sheet"]
 
@@ -51,6 +53,20 @@ class MaterialSheet:
         Where the numbers come from.
     notes : tuple of str
         What a user should know, each a line; among them what is continued, and how.
+    optic_class : str
+        "isotropic", "uniaxial" or "biaxial".
+    n_o, n_e : float or None
+        Of a uniaxial material the ordinary and the extraordinary index at the sodium line.
+    n_alpha, n_beta, n_gamma : float or None
+        Of a biaxial material the least, the middle and the greatest index there.
+    birefringence : float
+        The greatest principal index less the least one, at the sodium line.
+    optic_sign : str or None
+        "+" or "-"; None of an isotropic material.
+    two_v_deg : float or None
+        Of a biaxial material the acute angle between its optic axes [deg].
+    pleochroic : bool
+        Whether its colour depends on the direction.
     """
 
     name: str
@@ -68,6 +84,16 @@ class MaterialSheet:
     absorbs: bool
     source: str
     notes: tuple[str, ...]
+    optic_class: str
+    n_o: float | None
+    n_e: float | None
+    n_alpha: float | None
+    n_beta: float | None
+    n_gamma: float | None
+    birefringence: float
+    optic_sign: str | None
+    two_v_deg: float | None
+    pleochroic: bool
 
     def to_dict(self) -> dict[str, Any]:
         """Return the sheet as JSON takes it: fields by name, in order, n_G for `n_g`, tuples as lists."""
@@ -106,7 +132,31 @@ def material_sheet(material: Material | str | os.PathLike[str] | float | None) -
         absorbs=made.absorption is not None,
         source=made.source,
         notes=made.notes,
+        **_of_crystal(made.crystal),
     )
+
+
+def _of_crystal(crystal: Crystal | None) -> dict[str, Any]:
+    """Return what a sheet says of a crystal, or of none."""
+    facts: dict[str, Any] = dict.fromkeys(("n_o", "n_e", "n_alpha", "n_beta", "n_gamma"))
+    number = 1 if crystal is None else len(crystal.dispersions)
+    facts |= {
+        "optic_class": {1: "isotropic", 2: "uniaxial", 3: "biaxial"}[number],
+        "birefringence": 0.0,
+        "optic_sign": None,
+        "two_v_deg": None,
+        "pleochroic": False,
+    }
+    if crystal is None:
+        return facts
+    names = {1: (), 2: ("n_o", "n_e"), 3: ("n_alpha", "n_beta", "n_gamma")}[number]
+    return facts | {
+        **dict(zip(names, crystal.principal_indices(SODIUM_NM).tolist(), strict=False)),
+        "birefringence": crystal.birefringence,
+        "optic_sign": crystal.optic_sign or None,
+        "two_v_deg": crystal.optic_axial_angle_deg,
+        "pleochroic": is_pleochroic(crystal),
+    }
 
 
 def _lists(value: Any) -> Any:

@@ -109,7 +109,7 @@ def blue_zircon() -> tuple[Table, ...]:
 
 
 def emerald() -> tuple[Table, ...]:
-    """Return the absorption of an emerald: yellowish green, and bluish green in the other ray [1/mm].
+    """Return the absorption of an emerald: green, and bluish green in the other ray [1/mm].
 
     Cr3+ in beryl, ordinary ray at 430 and 600 nm, extraordinary ray at 420 and 630 nm: Wood & Nassau, Am.
     Mineral. 53, 777 (1968); Burns, Mineralogical Applications of Crystal Field Theory, 2nd ed. (1993).
@@ -206,7 +206,7 @@ def _vanadium() -> tuple[np.ndarray, ...]:
 
 
 def alexandrite() -> tuple[Table, ...]:
-    """Return the absorption of an alexandrite: red, orange-yellow, green by daylight [1/mm].
+    """Return the absorption of an alexandrite: purplish red, orange-yellow, green by daylight [1/mm].
 
     Cr3+ in chrysoberyl: two bands, near 420 and near 580 nm, and the R lines at 680 nm. Farrell & Newnham,
     Am. Mineral. 50, 1972 (1965). Where they are and how strong along each direction is chosen, so that the

@@ -145,24 +145,39 @@ def material_table() -> TextTable:
     table = TextTable(
         [
             Column("Material", is_text=True),
-            *map(Column, ("n", "B-G", "g/cm3")),
+            Column("n", is_text=True),
+            Column("Biref.", 1),
+            *map(Column, ("B-G", "g/cm3")),
             Column("Source and notes", is_text=True, wraps=True),
         ]
     )
 
     def alike(record: dict[str, Any]) -> list[Any]:
-        return [record[key] for key in ("n_D", "dispersion_b_g", "density", "source", "notes")]
+        return [record[key] for key in ("n_D", "n_e", "dispersion_b_g", "density", "source", "notes")]
 
     for _, group in itertools.groupby(material_records(), key=alike):
         records = list(group)
         first, last = records[0], records[-1]
         called = first["name"] if len(records) == 1 else f"{first['name']} to {last['name']}"
         words = "; ".join(part for part in (first["source"], *first["notes"]) if part)
-        numbers = f"{first['n_D']:.4f}", f"{first['dispersion_b_g']:.4f}", f"{first['density']:.2f}"
+        numbers = (
+            ", ".join(f"{index:.4f}" for index in _principal(first)),
+            "–" if first["optic_sign"] is None else f"{first['birefringence']:.4f} {first['optic_sign']}",
+            f"{first['dispersion_b_g']:.4f}",
+            f"{first['density']:.2f}",
+        )
         table.rows.append([called, *numbers, words])
-    table.note("n at 589.3 nm; B-G: dispersion, the index at 430.8 nm less that at 686.7 nm.")
+    table.note("n at 589.3 nm: two of uniaxial crystals, ordinary and extraordinary, three of biaxial ones.")
+    table.note("Biref.: birefringence, the greatest n less the least, and the optic sign.")
+    table.note("B-G: dispersion, the index at 430.8 nm less that at 686.7 nm.")
     table.note("gemrender materials NAME|FILE tells one in full; --show NAME prints a file to start from.")
     return table
+
+
+def _principal(record: dict[str, Any]) -> list[float]:
+    """Return the principal indices of a material's record; of an isotropic one its index."""
+    split = [record[key] for key in ("n_o", "n_e", "n_alpha", "n_beta", "n_gamma")]
+    return [index for index in split if index is not None] or [record["n_D"]]
 
 
 #: Columns of sheets: heading, key of their record, and how it is shown.
@@ -193,10 +208,27 @@ def sheet_table(names: Sequence[str]) -> TextTable:
         low, high = record["range_nm"]
         index = f"{record['index_from']}, {low:g} to {high:g} nm"
         table.note(f"{record['name']}: {record['source']} ({index}).", style="")
+        if record["optic_sign"] is not None:
+            table.note(f"{record['name']}: {_crystal_words(record)}.", style="")
         for words in record["notes"]:
             table.note(f"{record['name']}: {words}.", style="yellow" if "continued" in words else "")
     table.note("n at G 430.8, F 486.1, D 589.3, C 656.3 and B 686.7 nm; Abbe: (n D - 1)/(n F - n C).")
     return table
+
+
+def _crystal_words(record: dict[str, Any]) -> str:
+    """Tell of a birefringent material its class and sign, and the indices of its principal directions."""
+    indices = ", ".join(
+        f"{key.replace('_', ' ')} {record[key]:.5f}"
+        for key in ("n_o", "n_e", "n_alpha", "n_beta", "n_gamma")
+        if record[key] is not None
+    )
+    angle = "" if record["two_v_deg"] is None else f", 2V {record['two_v_deg']:.1f} degrees"
+    colour = ", pleochroic" if record["pleochroic"] else ""
+    return (
+        f"{record['optic_class']} {record['optic_sign']}, {indices}, birefringence "
+        f"{record['birefringence']:.4f}{angle}{colour}"
+    )
 
 
 def measure_records() -> list[dict[str, Any]]:

@@ -8,7 +8,9 @@ from glasses import DIRECTIONS, published_directions
 from physics_tolerances import FOUR_DECIMALS, ROUNDING
 
 from gemrender import InputError
-from gemrender.optics import Material, load_material, material_names, material_template
+from gemrender.cli.program import run
+from gemrender.colorimetry import colour_science
+from gemrender.optics import Material, load_material, material_names, material_sheet, material_template
 from gemrender.optics.crystals import Crystal
 from gemrender.optics.dispersion import SODIUM_NM, Formula
 from gemrender.optics.principal import along_axes, is_pleochroic, isotropic_absorption
@@ -168,6 +170,95 @@ def test_a_direction_that_absorbs_nothing_counts_in_the_mean():
 def test_the_ray_that_the_literature_names_absorbs_more(name, nm, weaker, stronger):
     tables = load_material(name).crystal.absorptions
     assert tables[stronger].at(nm) > 1.2 * tables[weaker].at(nm)
+
+
+def through(absorption, path_mm):
+    """Lightness, chroma and hue [deg] (CIELAB) of D65 through a path."""
+    colour = colour_science()
+    nm = np.arange(360.0, 831.0)
+    shape = colour.SpectralShape(360, 830, 1)
+    light = colour.SDS_ILLUMINANTS["D65"].copy().align(shape).values
+    eye = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"].copy().align(shape).values
+    white = light @ eye
+    left = (light * np.exp(-path_mm * absorption.at(nm))) @ eye
+    return colour.models.Lab_to_LCHab(colour.XYZ_to_Lab(left / white[1], colour.XYZ_to_xy(white)))
+
+
+#: Lowest and highest hue of the colours that the literature names [deg].
+HUES = {
+    "orange-red": (10, 40), "purplish red": (350, 20), "purplish": (325, 345), "red-violet": (320, 345),
+    "reddish violet": (328, 345), "bluish violet": (310, 328), "blue": (255, 300), "light blue": (225, 260),
+    "greenish blue": (240, 270), "bluish green": (166, 190), "green": (125, 175),
+    "yellowish green": (100, 120), "yellow-green": (100, 115), "yellow": (85, 105),
+    "orange-yellow": (75, 95),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "colours"),
+    [
+        ("ruby", ("purplish red", "orange-red")),
+        ("blue sapphire", ("blue", "greenish blue")),
+        ("amethyst", ("bluish violet", "reddish violet")),
+        ("citrine", ("yellow", "yellow")),
+        ("green tourmaline", ("green", "green")),
+        ("blue zircon", ("light blue", None)),
+        ("emerald", ("green", "bluish green")),
+        ("aquamarine", (None, "light blue")),
+        ("blue topaz", ("light blue",) * 3),
+        ("peridot", ("yellowish green",) * 3),
+        ("tanzanite", ("red-violet", "blue", "blue")),
+        ("unheated tanzanite", ("red-violet", "blue", "yellow-green")),
+        ("alexandrite", ("purplish", "orange-yellow", "green")),
+    ],
+)
+@pytest.mark.filterwarnings("ignore")
+def test_each_direction_has_its_colour(name, colours):
+    for table, called in zip(load_material(name).crystal.absorptions, colours, strict=True):
+        _, chroma, hue = through(table, 10.0)
+        if called is None:
+            assert chroma < 5
+            continue
+        low, high = HUES[called]
+        assert chroma > 10
+        assert (hue - low) % 360 <= (high - low) % 360, (called, hue)
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_the_ordinary_ray_of_a_green_tourmaline_is_the_darker():
+    ordinary, extraordinary = (
+        through(t, 10.0)[0] for t in load_material("green tourmaline").crystal.absorptions
+    )
+    assert ordinary < 0.5 * extraordinary
+
+
+# ---- Sheets --------------------------------------------------------------------------------------------
+
+
+def test_the_sheet_of_a_uniaxial_material():
+    sheet = material_sheet("ruby")
+    assert (sheet.optic_class, sheet.optic_sign, sheet.pleochroic) == ("uniaxial", "-", True)
+    assert (sheet.n_o, sheet.two_v_deg, sheet.n_beta) == (sheet.n_d, None, None)
+    assert sheet.birefringence == pytest.approx(sheet.n_o - sheet.n_e, rel=ROUNDING)
+
+
+def test_the_sheet_of_a_biaxial_material():
+    sheet = material_sheet("topaz")
+    assert (sheet.optic_class, sheet.optic_sign, sheet.pleochroic) == ("biaxial", "+", False)
+    assert (sheet.n_beta, sheet.n_o, sheet.n_e) == (sheet.n_d, None, None)
+    assert sheet.birefringence == pytest.approx(sheet.n_gamma - sheet.n_alpha, rel=ROUNDING)
+    assert sheet.two_v_deg == load_material("topaz").crystal.optic_axial_angle_deg
+
+
+def test_the_sheet_of_an_isotropic_material():
+    sheet = material_sheet("diamond")
+    assert (sheet.optic_class, sheet.optic_sign, sheet.birefringence) == ("isotropic", None, 0.0)
+
+
+def test_commands_tell_both_indices_and_the_sign(capsys):
+    assert run(["materials", "moissanite"]) == 0
+    told = capsys.readouterr().out
+    assert "uniaxial +, n o 2.64743, n e 2.68897, birefringence 0.0415" in " ".join(told.split())
 
 
 # ---- Refusals of Python ---------------------------------------------------------------------------------

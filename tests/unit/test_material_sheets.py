@@ -148,7 +148,8 @@ def test_a_sheet_is_a_line_of_json(load):
     made = material_sheet(load(edited(ABSORBED, "[380, 500, 700]"))).to_dict()
     assert list(made) == [
         "name", "n_G", "n_F", "n_D", "n_C", "n_B", "abbe_number", "dispersion_b_g", "density", "index_from",
-        "range_nm", "continued_nm", "absorbs", "source", "notes",
+        "range_nm", "continued_nm", "absorbs", "source", "notes", "optic_class", "n_o", "n_e", "n_alpha",
+        "n_beta", "n_gamma", "birefringence", "optic_sign", "two_v_deg", "pleochroic",
     ]  # fmt: skip
     assert json.loads(json.dumps(made)) == made
     assert made["notes"] == ["made up", "absorption of 380 to 700 nm, beyond which its end values hold"]

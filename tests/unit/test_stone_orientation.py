@@ -17,8 +17,11 @@ from gemrender.render.photoreal import make_gems
 from gemrender.report.inspection import inspect_stone
 from gemrender.scene.photoreal import photoreal_scene
 from gemrender.scene.setup import load_setup
+from gemrender.scene.xml import write_photoreal
 from gemrender.sweep.improve.varied import remaker
 
+#: Axes in single precision, written as text and made right-angled anew.
+SINGLE_AXES = 1e-6
 STONE = """
 [angles]
 table = 57
@@ -210,3 +213,19 @@ def test_the_twin_of_a_birefringent_stone_is_asked_for(variant_llvm_ad_spectral,
 def test_isotropic_stones_say_nothing_of_crystals(variant_llvm_ad_spectral, load):
     surface, _ = surfaces(load("[crystal]\nc_axis = [1, 0, 0]", material="spinel"))
     assert not {"c_axis", "a_axis", "birefringence"} & set(surface)
+
+
+def test_a_scene_file_keeps_the_crystal(variant_llvm_ad_spectral, load, tmp_path):
+    import mitsuba as mi
+
+    gems = make_gems([load("[crystal]\nangles = [10, 20, 30]")])
+    scene = photoreal_scene(gems, load_setup("hemisphere"), width=8, height=8)
+    path = write_photoreal(tmp_path, "tanzanite", scene, about="a stone", stock=False)
+    (surface,) = [
+        shape.bsdf()
+        for shape in mi.load_file(str(path), optimize=False).shapes()
+        if hasattr(shape.bsdf(), "crystal_axes")
+    ]
+    expected = gems[0].stone.crystal_axes @ scene.stones[0].rotation.T
+    np.testing.assert_allclose(surface.crystal_axes, expected, rtol=0, atol=SINGLE_AXES)
+    assert surface.birefringent
