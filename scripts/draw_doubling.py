@@ -32,7 +32,8 @@ def shots() -> dict[str, list[dict[str, Any]]]:
     aslant, above = studio(50), studio(90)
     moissanite: dict[str, Any] = {"stone": "gia-excellent", "material": "moissanite"}
     long, across = "table", (1.0, 0.0, 0.0)
-    plain: dict[str, Any] = {"setup": above, "stone": "emerald-even"}
+    tourmaline: dict[str, Any] = {"setup": above, "stone": "emerald-even", "material": "green tourmaline"}
+    tanzanite: dict[str, Any] = {"setup": above, "stone": "corundum-oval", "material": "tanzanite"}
     ruby: dict[str, Any] = {
         "setup": above,
         "stone": "corundum-oval",
@@ -48,8 +49,10 @@ def shots() -> dict[str, list[dict[str, Any]]]:
             {"setup": aslant, "stone": "gia-excellent", "material": "zircon"},
         ],
         "pleochroism": [
-            plain | {"material": "tourmaline", "c_axis": long},
-            plain | {"material": "tourmaline", "c_axis": across},
+            tourmaline | {"c_axis": long},
+            tourmaline | {"c_axis": across},
+            tanzanite | {"c_axis": long},
+            tanzanite | {"c_axis": across},
             ruby | {"c_axis": across, "analyser": 0.0},
             ruby | {"c_axis": across, "analyser": 90.0},
         ],
