@@ -125,13 +125,17 @@ class Light:
     @cached_property
     def share(self) -> np.ndarray:
         """(n,) share of the light at the eye that comes along the path; 0 for what does not leave."""
-        leaving = transmittance(np.where(self.is_exit, self.paths.cos_exit, 1.0), self.model.index)
+        leaving = self.paths.leaving
+        if leaving is None:
+            leaving = transmittance(np.where(self.is_exit, self.paths.cos_exit, 1.0), self.model.index)
         return np.asarray(np.where(self.is_exit, self.arriving * leaving, 0.0))
 
     @cached_property
     def surface_reflectance(self) -> np.ndarray:
         """(n,) reflectance of the facet that each path enters by; 0 where none does."""
         met = self.paths.status != RayStatus.MISSED
+        if self.paths.entering is not None:
+            return np.asarray(np.where(met, 1.0 - self.paths.entering, 0.0))
         cos = np.where(met, self.paths.cos_entry, 1.0)
         return np.asarray(np.where(met, reflectance(cos, self.model.index), 0.0))
 
