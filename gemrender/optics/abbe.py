@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gemrender.errors import InputError
-from gemrender.optics.dispersion import INDEX_RANGE, VISIBLE_NM, Dispersion, Formula
+from gemrender.optics.dispersion import INDEX_RANGE, SODIUM_NM, VISIBLE_NM, Dispersion, Formula
 
 __all__ = [
     "ABBE_LINES_NM",
@@ -20,8 +20,6 @@ __all__ = [
     "refuse_other_form",
 ]
 
-#: The sodium D line (the middle of its two) that gemmologists measure indices at [nm].
-SODIUM_NM = 589.3
 #: Fraunhofer's G and B lines, whose indices differ by what gemmologists call dispersion [nm].
 FRAUNHOFER_G_NM, FRAUNHOFER_B_NM = 430.8, 686.7
 #: Fraunhofer's F and C lines [nm].
@@ -79,13 +77,15 @@ def other_form(dispersion: Dispersion) -> tuple[str, float] | None:
     return f'with C in {_C_UNIT[other.formula]} it is formula = "{other.formula}"', abbe
 
 
-def refuse_other_form(dispersion: Dispersion) -> None:
+def refuse_other_form(dispersion: Dispersion, key: str = "index") -> None:
     """Refuse C in um^2 that is given as C in um: it makes an index with next to no dispersion.
 
     Parameters
     ----------
     dispersion : Formula or Table
         The dispersion as it was given.
+    key : str
+        What errors call it.
 
     Raises
     ------
@@ -102,5 +102,5 @@ def refuse_other_form(dispersion: Dispersion) -> None:
         raise InputError(
             f"Abbe number {abbe:.0f}, and solids have {ABBE_RANGE[0]:g} to {ABBE_RANGE[1]:g}; {words} (Abbe "
             f"number {meant:.1f}), and if C is indeed in um, that form takes C^2",
-            key="index.coefficients",
+            key=f"{key}.coefficients",
         )

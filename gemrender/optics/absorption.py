@@ -1,18 +1,16 @@
 """Body colours: absorption coefficients modelled from published band positions and widths.
 
-A crystal's bands are Gaussians in wavenumber (McClure, Solid State Physics 9, 399 (1959)), with two widths
-where the band is lopsided; what lies in the ultraviolet reaches into the visible as an exponential in
-wavenumber (Urbach, Phys. Rev. 92, 1324 (1953)). Where bands are is literature; how wide they are is near it,
-rounded; how strong they are is chosen, so that a brilliant of about one carat, in which light goes some
-10 mm, has the colour that its name promises. No polarisation (pleochroism), no fluorescence.
+Their shapes are those of `bands`. Where bands are is literature; how wide they are is near it, rounded; how
+strong they are is chosen, so that a brilliant of about one carat, in which light goes some 10 mm, has the
+colour that its name promises. Of birefringent crystals this is the ordinary ray; `pleochroism` has all
+directions. No fluorescence.
 """
 
 from __future__ import annotations
 
 import string
 
-import numpy as np
-
+from gemrender.optics.bands import absorption_table, band, line, rise
 from gemrender.optics.tabulated import Table
 
 __all__ = [
@@ -24,10 +22,6 @@ __all__ = [
     "rhodolite",
     "ruby",
 ]
-
-#: Wavelengths of the rows [nm]. N3's line, 3 nm wide, is the narrowest thing there.
-_WAVELENGTHS_NM = np.arange(360.0, 831.0)
-_WAVENUMBERS = 1e7 / _WAVELENGTHS_NM
 
 #: Colour grades of the GIA's scale from D, colourless, to Z, light yellow.
 DIAMOND_GRADES = string.ascii_lowercase[3:]
@@ -42,12 +36,12 @@ def ruby() -> Table:
     with the window between them that makes a ruby purplish; and the charge transfer in the ultraviolet.
     McClure, J. Chem. Phys. 36, 2757 (1962); Cronemeyer, J. Opt. Soc. Am. 56, 1703 (1966).
     """
-    return _table(
+    return absorption_table(
         0.9
         * (
-            _band(18000, 0.9, below=2000, above=3600)
-            + _band(24700, 1.0, below=4200, above=3600)
-            + _rise(300, 0.3, 2500)
+            band(18000, 0.9, below=2000, above=3600)
+            + band(24700, 1.0, below=4200, above=3600)
+            + rise(300, 0.3, 2500)
         )
     )
 
@@ -59,15 +53,15 @@ def blue_sapphire() -> Table:
     388 and 450 nm, and the charge transfer from oxygen in the ultraviolet. Ferguson & Fielding, Chem. Phys.
     Lett. 10, 262 (1971); Nassau, The Physics and Chemistry of Color (Wiley, 1983).
     """
-    return _table(
+    return absorption_table(
         0.25
         * (
-            _band(17250, 1.0, below=3900, above=4600)
-            + _band(14300, 0.4, below=3000, above=3000)
-            + _line(450, 0.06, 14)
-            + _line(388, 0.3, 8)
-            + _line(377, 0.35, 8)
-            + _rise(330, 0.4, 1500)
+            band(17250, 1.0, below=3900, above=4600)
+            + band(14300, 0.4, below=3000, above=3000)
+            + line(450, 0.06, 14)
+            + line(388, 0.3, 8)
+            + line(377, 0.35, 8)
+            + rise(330, 0.4, 1500)
         )
     )
 
@@ -78,8 +72,8 @@ def amethyst() -> Table:
     Fe4+ in quartz, ordinary ray: the band at 545 nm (Lehmann & Moore, Science 152, 1061 (1966)) and that at
     357 nm (Hassan & Cohen, Am. Mineral. 59, 709 (1974)). Its strength is for a stone of some 10 mm.
     """
-    return _table(
-        0.2 * (_band(18350, 1.0, below=3600, above=4600) + _band(28000, 0.9, below=5200, above=5200))
+    return absorption_table(
+        0.2 * (band(18350, 1.0, below=3600, above=4600) + band(28000, 0.9, below=5200, above=5200))
     )
 
 
@@ -90,18 +84,18 @@ def rhodolite() -> Table:
     Reference Guide (1988)), which overlap, and the rise to the ultraviolet. Manning, Can. Mineral. 9, 237
     (1967), told them apart in almandine and pyrope.
     """
-    return _table(
+    return absorption_table(
         0.3
         * (
-            _line(504, 0.8, 20)
-            + _line(526, 0.55, 24)
-            + _line(573, 0.7, 36)
-            + _line(423, 0.15, 14)
-            + _line(460, 0.28, 24)
-            + _line(610, 0.1, 28)
-            + _line(685, 0.05, 36)
-            + _band(19600, 0.3, below=2800, above=5200)
-            + _rise(400, 0.7, 3600)
+            line(504, 0.8, 20)
+            + line(526, 0.55, 24)
+            + line(573, 0.7, 36)
+            + line(423, 0.15, 14)
+            + line(460, 0.28, 24)
+            + line(610, 0.1, 28)
+            + line(685, 0.05, 36)
+            + band(19600, 0.3, below=2800, above=5200)
+            + rise(400, 0.7, 3600)
         )
     )
 
@@ -112,7 +106,7 @@ def fancy_yellow() -> Table:
     Isolated nitrogen (C centres): a continuum that rises from 560 nm to the ultraviolet, without a peak in
     the visible. Dyer, Raal, du Preez & Loubser, Phil. Mag. 11, 763 (1965); Collins, J. Gemmol. 18, 37 (1982).
     """
-    return _table(_rise(450, 0.3, 1500))
+    return absorption_table(rise(450, 0.3, 1500))
 
 
 def cape_diamond(grade: str) -> Table | None:
@@ -132,39 +126,18 @@ def cape_diamond(grade: str) -> Table | None:
     if not steps:
         return None
     n3 = (
-        _line(415.2, 1.0, 3)
-        + _line(403, 0.75, 9)
-        + _line(394, 0.75, 10)
-        + _line(384, 0.7, 12)
-        + _line(375, 0.5, 14)
+        line(415.2, 1.0, 3)
+        + line(403, 0.75, 9)
+        + line(394, 0.75, 10)
+        + line(384, 0.7, 12)
+        + line(375, 0.5, 14)
     )
     n2 = (
-        _line(478, 0.12, 8)
-        + _line(465, 0.05, 8)
-        + _line(452, 0.08, 12)
-        + _line(435, 0.05, 10)
-        + _line(423, 0.1, 9)
+        line(478, 0.12, 8)
+        + line(465, 0.05, 8)
+        + line(452, 0.08, 12)
+        + line(435, 0.05, 10)
+        + line(423, 0.1, 9)
     )
     strength = _Z_PER_MM * (steps / (len(DIAMOND_GRADES) - 1)) ** 1.5
-    return _table(strength * (n3 + n2 + _rise(415.2, 0.35, 2300)))
-
-
-def _table(per_mm: np.ndarray) -> Table:
-    return Table(wavelength_nm=tuple(_WAVELENGTHS_NM.tolist()), values=tuple(per_mm.tolist()), key="per_mm")
-
-
-def _band(centre: float, peak: float, *, below: float, above: float) -> np.ndarray:
-    """Return a band: centre and full widths at half height, below and above the centre [1/cm]."""
-    width = np.where(centre > _WAVENUMBERS, below, above)
-    return np.asarray(peak * np.exp(-4 * np.log(2) * ((_WAVENUMBERS - centre) / width) ** 2))
-
-
-def _line(centre_nm: float, peak: float, width_nm: float) -> np.ndarray:
-    """Return a narrow band: centre and full width at half height [nm]."""
-    width = width_nm * 1e7 / centre_nm**2
-    return _band(1e7 / centre_nm, peak, below=width, above=width)
-
-
-def _rise(at_nm: float, there: float, width: float) -> np.ndarray:
-    """Return a rise to the ultraviolet: its value at a wavelength [nm], its width to grow e-fold [1/cm]."""
-    return np.asarray(there * np.exp((_WAVENUMBERS - 1e7 / at_nm) / width))
+    return absorption_table(strength * (n3 + n2 + rise(415.2, 0.35, 2300)))

@@ -12,12 +12,23 @@ from gemrender.errors import InputError
 from gemrender.optics.tabulated import Table, is_list, numbers_of
 from gemrender.reading import did_you_mean
 
-__all__ = ["FORMULAE", "INDEX_RANGE", "LARGEST_COEFFICIENT", "VISIBLE_NM", "Dispersion", "Formula"]
+__all__ = [
+    "FORMULAE",
+    "INDEX_RANGE",
+    "LARGEST_COEFFICIENT",
+    "SODIUM_NM",
+    "VISIBLE_NM",
+    "Dispersion",
+    "Formula",
+    "index_of",
+]
 
 #: Allowed range of a refractive index.
 INDEX_RANGE = (1.05, 4.0)
 #: Visible light, where every material has an index [nm].
 VISIBLE_NM = (380.0, 760.0)
+#: The sodium D line (the middle of its two) that gemmologists measure indices at [nm].
+SODIUM_NM = 589.3
 
 #: Names of the formulae, and what their coefficients are; L is the wavelength in vacuum [um].
 FORMULAE: dict[str, str] = {
@@ -114,6 +125,13 @@ def _coefficients(values: Any, key: str) -> tuple[float, ...]:
 
 #: Where a material's index comes from; a table is of the index.
 Dispersion = Formula | Table
+
+
+def index_of(dispersion: Dispersion, wavelength_nm: Any) -> np.ndarray:
+    """Return the index at some wavelengths [nm]; a table is continued as its end pieces run."""
+    if isinstance(dispersion, Table):
+        return dispersion.at(wavelength_nm, continued=True)
+    return dispersion.index(wavelength_nm)
 
 
 def _sellmeier(square: np.ndarray, coefficients: tuple[tuple[float, float], ...]) -> np.ndarray:

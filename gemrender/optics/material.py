@@ -16,11 +16,12 @@ from gemrender.optics.abbe import (
     FRAUNHOFER_G_NM,
     SODIUM_NM,
     abbe_number,
-    other_form,
-    refuse_other_form,
 )
 from gemrender.optics.cautions import beyond, cautions
-from gemrender.optics.dispersion import INDEX_RANGE, VISIBLE_NM, Dispersion, Formula
+from gemrender.optics.crystals.crystal import Crystal
+from gemrender.optics.dispersion import INDEX_RANGE, VISIBLE_NM, Dispersion, Formula, index_of
+from gemrender.optics.index_checks import check_index, visible_and
+from gemrender.optics.principal import isotropic_absorption, ordinary, section_keys
 from gemrender.optics.tabulated import WAVELENGTHS_NM, Table, finite, numbers_of
 
 __all__ = [
@@ -49,8 +50,6 @@ DIAMETER_RANGE_MM = (0.1, 1000.0)
 CARAT_RANGE = (1e-5, 1e6)
 #: Mass of a carat [g].
 _CARAT_G = 0.2
-#: Wavelengths at which an index is checked: between its poles a formula is smooth.
-_N_CHECKED = 2000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,7 +61,8 @@ class Material:
     name : str
         What to call it in tables and messages.
     dispersion : Formula or Table
-        Index by wavelength; of a birefringent material the ordinary one.
+        Index by wavelength; of a birefringent material the ordinary one, of a biaxial one the middle: what
+        scores take, and pictures in which light is not split.
     range_nm : pair of float
         Wavelengths that the dispersion was published for [nm]. It is continued where visible light,
         `VISIBLE_NM`, goes beyond them.
@@ -74,13 +74,16 @@ class Material:
         Density [g/cm^3]; None is unknown.
     absorption : Table or None
         Absorption coefficient, to the base e [1/mm]; None is a colourless material. Beyond the ends of the
-        table, their values hold.
+        table, their values hold. Of a pleochroic material what `principal.isotropic_absorption` makes of it.
+    crystal : Crystal or None
+        Of a birefringent material what each principal direction does; None is an isotropic one.
 
     Raises
     ------
     InputError
         A range without visible light, an index that leaves `INDEX_RANGE` anywhere, coefficients of the other
-        of Sellmeier's forms, an absorption coefficient out of range, a density that no gem has.
+        of Sellmeier's forms, an absorption coefficient out of range, a density that no gem has, or a crystal
+        of another index or absorption.
     """
 
     name: str
@@ -90,64 +93,62 @@ class Material:
     note: str = ""
     density: float | None = None
     absorption: Table | None = None
+    crystal: Crystal | None = None
+
+    @classmethod
+    def of_crystal(cls, crystal: Crystal, *, absorption: Table | None = None, **facts: Any) -> Material:
+        """Make a birefringent material.
+
+        Parameters
+        ----------
+        crystal : Crystal
+            What each principal direction does.
+        absorption : Table, optional
+            Absorption coefficient where it is the same in all directions [1/mm].
+        **facts
+            Other fields: name, range_nm and so on.
+
+        Raises
+        ------
+        InputError
+            As for the class.
+        """
+        if crystal.absorptions:
+            absorption = isotropic_absorption(crystal)
+        return cls(dispersion=ordinary(crystal), absorption=absorption, crystal=crystal, **facts)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "range_nm", checked_range(self.range_nm))
         object.__setattr__(self, "density", checked_density(self.density))
         with Mistakes() as mistakes:
-            mistakes.of(self._check_index)
-            if not mistakes.errors:
-                mistakes.of(refuse_other_form, self.dispersion)
-            mistakes.of(self._check_absorption)
+            for key, dispersion in self.dispersions:
+                mistakes.of(check_index, dispersion, self.range_nm, key)
+            for key, absorption in self.absorptions:
+                mistakes.of(_check_absorption, key, absorption)
+        self._check_crystal()
 
-    def _check_absorption(self) -> None:
-        if self.absorption is not None:
-            for i, value in enumerate(self.absorption.values):
-                if not 0 <= value <= MOST_ABSORPTION:
-                    least = "at least 0" if value < 0 else f"at most {MOST_ABSORPTION:g}"
-                    key = f"absorption.{self.absorption.key}[{i}]"
-                    raise InputError(f"must be {least} [1/mm]", key=key, value=value)
+    @property
+    def dispersions(self) -> list[tuple[str, Dispersion]]:
+        """The index of each principal direction, by the section of a material file that it is in."""
+        if self.crystal is None:
+            return [("index", self.dispersion)]
+        return list(zip(section_keys(self.crystal, "index"), self.crystal.dispersions, strict=True))
 
-    def _check_index(self) -> None:
-        first, last = self.wavelengths_nm
-        poles = self.dispersion.poles_nm() if isinstance(self.dispersion, Formula) else ()
-        tried = np.concatenate([np.linspace(first, last, _N_CHECKED), VISIBLE_NM, self.range_nm, poles])
-        if isinstance(self.dispersion, Table):
-            tried = np.concatenate([tried, self.dispersion.wavelength_nm])
-        tried = np.sort(tried[(tried >= first) & (tried <= last)])
-        with np.errstate(all="ignore"):
-            index = self._index(tried)
-        low, high = INDEX_RANGE
-        wrong = ~((index >= low) & (index <= high))  # true for NaN too
-        if wrong.any():
-            at = int(np.argmax(wrong))
-            raise InputError(
-                f"must be from {low:g} to {high:g} at every wavelength from {first:g} to {last:g} nm"
-                + self._hint(tried[at]),
-                key=f"index at {tried[at]:.6g} nm",
-                value=float(index[at]),
-            )
+    @property
+    def absorptions(self) -> list[tuple[str, Table | None]]:
+        """The absorption of each principal direction, or of all, by the section of a file that it is in."""
+        if self.crystal is None or not self.crystal.absorptions:
+            return [("absorption", self.absorption)]
+        return list(zip(section_keys(self.crystal, "absorption"), self.crystal.absorptions, strict=True))
 
-    def _hint(self, wavelength_nm: float) -> str:
-        """Say what may be wrong where the index is out of range."""
-        if isinstance(self.dispersion, Table):
-            low, high = self.range_nm
-            inside = low <= wavelength_nm <= high
-            return (
-                ""
-                if inside
-                else f"; the table of {low:g} to {high:g} nm is continued there as its end rows run"
-            )
-        if other := other_form(self.dispersion):
-            return f"; {other[0]}"
-        if not INDEX_RANGE[0] <= self._index(SODIUM_NM) <= INDEX_RANGE[1]:
-            return "; coefficients are for wavelengths in micrometres"
-        return "" if VISIBLE_NM[0] <= wavelength_nm <= VISIBLE_NM[1] else "; range_nm may be narrower"
-
-    def _index(self, wavelength_nm: Any) -> np.ndarray:
-        if isinstance(self.dispersion, Table):
-            return self.dispersion.at(wavelength_nm, continued=True)
-        return self.dispersion.index(wavelength_nm)
+    def _check_crystal(self) -> None:
+        crystal = self.crystal
+        if crystal is None:
+            return
+        if self.dispersion != ordinary(crystal):
+            raise InputError("must be the crystal's ordinary index, or its middle one", key="dispersion")
+        if crystal.absorptions and self.absorption != isotropic_absorption(crystal):
+            raise InputError("must be what the crystal's directions make", key="absorption")
 
     @classmethod
     def constant(cls, index: float) -> Material:
@@ -169,7 +170,7 @@ class Material:
     @property
     def wavelengths_nm(self) -> tuple[float, float]:
         """The lowest and the highest wavelength that `index` takes [nm]: the range and visible light."""
-        return min(self.range_nm[0], VISIBLE_NM[0]), max(self.range_nm[1], VISIBLE_NM[1])
+        return visible_and(self.range_nm)
 
     def index(self, wavelength_nm: Any) -> np.ndarray:
         """Return the refractive index relative to air.
@@ -197,7 +198,7 @@ class Material:
                 key="wavelength_nm",
                 value=float(asked[outside].flat[0]),
             )
-        return self._index(asked)
+        return index_of(self.dispersion, asked)
 
     def absorption_per_mm(self, wavelength_nm: Any) -> np.ndarray:
         """Return the absorption coefficient a [1/mm]; light is down to exp(-a s) after a path of s mm.
@@ -214,7 +215,7 @@ class Material:
     @property
     def abbe_number(self) -> float | None:
         """Abbe's number (n_D - 1) / (n_F - n_C), by the sodium line; None where n_F and n_C are equal."""
-        return abbe_number(*self._index(ABBE_LINES_NM))
+        return abbe_number(*index_of(self.dispersion, ABBE_LINES_NM))
 
     @property
     def continued_nm(self) -> tuple[tuple[float, float], ...]:
@@ -236,6 +237,14 @@ class Material:
         """What gemmologists call dispersion: the index at 430.8 nm less that at 686.7 nm."""
         blue, red = self.index([FRAUNHOFER_G_NM, FRAUNHOFER_B_NM])
         return float(blue - red)
+
+
+def _check_absorption(key: str, absorption: Table | None) -> None:
+    for i, value in enumerate(absorption.values if absorption is not None else ()):
+        if not 0 <= value <= MOST_ABSORPTION:
+            least = "at least 0" if value < 0 else f"at most {MOST_ABSORPTION:g}"
+            assert absorption is not None
+            raise InputError(f"must be {least} [1/mm]", key=f"{key}.{absorption.key}[{i}]", value=value)
 
 
 def constant_index(index: object) -> float:

@@ -12,9 +12,12 @@ from typing import Any
 
 from gemrender.errors import GemrenderWarning, InputError
 from gemrender.mistakes import Mistakes
+from gemrender.optics.crystals.crystal import Crystal
 from gemrender.optics.dispersion import Dispersion, Formula
+from gemrender.optics.index_checks import check_index
 from gemrender.optics.material import Material, checked_density, checked_range
 from gemrender.optics.materials import find_material, material_names, normal_name
+from gemrender.optics.principal import ENDS
 from gemrender.optics.tabulated import Table
 from gemrender.reading import (
     located_at,
@@ -38,11 +41,18 @@ LONGEST_NAME, LONGEST_TEXT = 100, 1000
 #: What was already said of files in this process: a command loads a file more than once.
 _SAID: set[str] = set()
 
-_TOP = ("name", "density", "source", "note", "index", "absorption")
+#: What sections of index and absorption end in: an isotropic or ordinary one in nothing.
+_ENDS = (*ENDS[2], *ENDS[3])
+_TOP = (
+    "name", "density", "source", "note",
+    *(f"index{end}" for end in _ENDS), *(f"absorption{end}" for end in _ENDS),
+)  # fmt: skip
 _FORMULA = ("formula", "coefficients", "range_nm")
 _TABLE = ("wavelength_nm", "n")
 _ABSORPTION = ("wavelength_nm", "per_mm")
 _FORMS = f"{', '.join(_FORMULA)}; or {' and '.join(_TABLE)}"
+#: Which sections go together: of a birefringent material two or three.
+_TOGETHER = "[{0}] and [{0}_e]; or [{0}_alpha], [{0}_beta] and [{0}_gamma]"
 
 
 def load_material(material: str | os.PathLike[str] | float | None, *, warn: bool = True) -> Material:
@@ -61,6 +71,11 @@ def load_material(material: str | os.PathLike[str] | float | None, *, warn: bool
         [absorption]                     # optional; coefficient to the base e
         wavelength_nm = [380, 500, 760]
         per_mm = [0.3, 0.1, 0.0]
+
+    A uniaxial crystal has [index] for its ordinary ray and [index_e] for its extraordinary one, a biaxial one
+    has [index_alpha], [index_beta] and [index_gamma] in place of [index]. Where absorption depends on the
+    direction, it has [absorption] and [absorption_e], or [absorption_alpha], [absorption_beta] and
+    [absorption_gamma]; else [absorption] alone.
 
     Parameters
     ----------
@@ -130,39 +145,72 @@ def _made(top: dict[str, Any], path: Path) -> Material:
             "note": mistakes.of(text_line, top, "note", "", LONGEST_TEXT, empty=True),
         }
         mistakes.of(checked_density, top.get("density"))
-        absorption = mistakes.of(_absorption, top, mistakes)
-        index = mistakes.of(_index, top, mistakes)
+        absorption = mistakes.of(_absorptions, top, mistakes)
+        index = mistakes.of(_indices, top, mistakes)
     assert name is not None
     assert index is not None
-    dispersion, range_nm = index
-    return Material(
-        name=name,
-        dispersion=dispersion,
-        range_nm=range_nm,
-        density=top.get("density"),
-        absorption=absorption,
-        **{key: str(text) for key, text in texts.items()},
-    )
+    dispersions, range_nm = index
+    facts: dict[str, Any] = {key: str(text) for key, text in texts.items()}
+    facts |= {"name": name, "range_nm": range_nm, "density": top.get("density")}
+    tables = tuple(absorption or ())
+    alike = len(tables) == 1
+    if len(dispersions) == 1:
+        return Material(dispersion=dispersions[0], absorption=tables[0] if tables else None, **facts)
+    crystal = Crystal(dispersions=dispersions, absorptions=() if alike else tables)
+    return Material.of_crystal(crystal, absorption=tables[0] if alike else None, **facts)
 
 
-def _index(top: dict[str, Any], mistakes: Mistakes) -> tuple[Dispersion, tuple[float, float]] | None:
-    """Return the dispersion and its range; None where there are mistakes, which are kept."""
-    if "index" not in top:
+def _sections(top: dict[str, Any], kind: str) -> tuple[str, ...]:
+    """Return the sections of index or absorption that a file has, if they go together: one, two or three."""
+    given = [f"{kind}{end}" for end in _ENDS if f"{kind}{end}" in top]
+    uniaxial, biaxial = (tuple(f"{kind}{end}" for end in ENDS[k]) for k in (2, 3))
+    if given in ([], [kind]) or tuple(given) in (uniaxial, biaxial):
+        return tuple(given)
+    wanted = biaxial if any(key in given for key in biaxial) else uniaxial
+    wrong = [key for key in given if key not in wanted]
+    missing = [key for key in wanted if key not in given]
+    told = f"does not go with [{wrong[0]}]" if wrong else f"needs [{'] and ['.join(missing)}], too"
+    first = next(key for key in given if key in wanted and key != kind)
+    raise InputError(f"{told}; a crystal has {_TOGETHER.format(kind)}", key=f"[{first}]")
+
+
+def _indices(
+    top: dict[str, Any], mistakes: Mistakes
+) -> tuple[tuple[Dispersion, ...], tuple[float, float]] | None:
+    """Return the principal indices and the range of all; None where there are mistakes, which are kept."""
+    keys = _sections(top, "index")
+    if not keys:
         raise InputError(f"missing; needs {_FORMS}", key="[index]")
     before = len(mistakes.errors)
-    index = section(top, "index", (*_FORMULA, *_TABLE), mistakes=mistakes)
+    made = [mistakes.of(_index, top, key, mistakes) for key in keys]
     if len(mistakes.errors) > before:
         return None
-    return _dispersion(index)
+    known = [one for one in made if one is not None]
+    low, high = max(range_nm[0] for _, range_nm in known), min(range_nm[1] for _, range_nm in known)
+    range_nm = checked_range((low, high))
+    if len(keys) > 1:  # before a crystal is made of them, whose errors have no keys of files
+        for key, (dispersion, _) in zip(keys, known, strict=True):
+            mistakes.of(check_index, dispersion, range_nm, key)
+    return tuple(dispersion for dispersion, _ in known), range_nm
 
 
-def _dispersion(index: dict[str, Any]) -> tuple[Dispersion, tuple[float, float]]:
+def _index(
+    top: dict[str, Any], key: str, mistakes: Mistakes
+) -> tuple[Dispersion, tuple[float, float]] | None:
+    before = len(mistakes.errors)
+    index = section(top, key, (*_FORMULA, *_TABLE), mistakes=mistakes)
+    if len(mistakes.errors) > before:
+        return None
+    return _dispersion(index, key)
+
+
+def _dispersion(index: dict[str, Any], key: str) -> tuple[Dispersion, tuple[float, float]]:
     by_formula, by_table = (any(key in index for key in keys) for keys in (_FORMULA, _TABLE))
     if by_formula == by_table:
         has = "has keys of both" if by_formula else "has none of them"
-        raise InputError(f"needs exactly one of: {_FORMS}; {has}", key="[index]")
-    refuse_missing(index, _FORMULA if by_formula else _TABLE, "index")
-    with located_at(None, "index"), Mistakes() as mistakes:
+        raise InputError(f"needs exactly one of: {_FORMS}; {has}", key=f"[{key}]")
+    refuse_missing(index, _FORMULA if by_formula else _TABLE, key)
+    with located_at(None, key), Mistakes() as mistakes:
         if by_formula:
             made: Dispersion | None = mistakes.of(
                 Formula, formula=index["formula"], coefficients=index["coefficients"]
@@ -177,13 +225,24 @@ def _dispersion(index: dict[str, Any]) -> tuple[Dispersion, tuple[float, float]]
     return made, range_nm
 
 
-def _absorption(top: dict[str, Any], mistakes: Mistakes) -> Table | None:
-    if "absorption" not in top:
-        return None
+def _absorptions(top: dict[str, Any], mistakes: Mistakes) -> tuple[Table, ...] | None:
+    """Return the absorption in all directions, or in each; None where there are mistakes, which are kept."""
+    keys, of_index = _sections(top, "absorption"), [key for key in top if key.startswith("index")]
+    if len(keys) > 1 and sorted(of_index) != sorted(key.replace("absorption", "index") for key in keys):
+        own = "] and [".join(key.replace("absorption", "index") for key in keys)
+        raise InputError(f"goes with [{own}]", key=f"[{keys[-1]}]")
     before = len(mistakes.errors)
-    absorption = section(top, "absorption", _ABSORPTION, mistakes=mistakes)
+    made = [mistakes.of(_absorption, top, key, mistakes) for key in keys]
+    if len(mistakes.errors) > before:
+        return None
+    return tuple(one for one in made if one is not None)
+
+
+def _absorption(top: dict[str, Any], key: str, mistakes: Mistakes) -> Table | None:
+    before = len(mistakes.errors)
+    absorption = section(top, key, _ABSORPTION, mistakes=mistakes)
     if len(mistakes.errors) > before and len(absorption) < len(_ABSORPTION):
         return None
-    refuse_missing(absorption, _ABSORPTION, "absorption")
-    with located_at(None, "absorption"):
+    refuse_missing(absorption, _ABSORPTION, key)
+    with located_at(None, key):
         return Table(wavelength_nm=absorption["wavelength_nm"], values=absorption["per_mm"], key="per_mm")

@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Iterator
 
-from gemrender.optics.dispersion import FORMULAE, Formula
+from gemrender.optics.dispersion import FORMULAE, VISIBLE_NM, Dispersion, Formula
 from gemrender.optics.material import Material
 from gemrender.optics.material_files import load_material
+from gemrender.optics.tabulated import Table
 
 __all__ = ["material_template"]
 
@@ -46,27 +47,46 @@ def _lines(material: Material) -> Iterator[str]:
         if text := getattr(material, key):
             yield f"{key} = {_text(text)}"
     yield ""
-    yield "[index]  # relative to air; wavelengths L in micrometres in a formula, in nanometres elsewhere"
-    if isinstance(material.dispersion, Formula):
-        for name, words in FORMULAE.items():
-            yield f"# {name}: {words}"
-        yield f"formula = {_text(material.dispersion.formula)}"
-        parts = [list(c) if isinstance(c, tuple) else c for c in material.dispersion.coefficients]
+    words = "relative to air; wavelengths L in micrometres in a formula, in nanometres elsewhere"
+    for k, (key, dispersion) in enumerate(material.dispersions):
+        if k:
+            yield ""
+        yield f"[{key}]" if k else f"[{key}]  # {words}"
+        yield from _dispersion(dispersion, material.range_nm, with_formulae=not k)
+    for key, absorption in material.absorptions:
+        yield ""
+        yield from _absorption(key, absorption, alone=len(material.absorptions) == 1)
+
+
+def _dispersion(
+    dispersion: Dispersion, range_nm: tuple[float, float], *, with_formulae: bool
+) -> Iterator[str]:
+    if isinstance(dispersion, Formula):
+        if with_formulae:
+            for name, words in FORMULAE.items():
+                yield f"# {name}: {words}"
+        yield f"formula = {_text(dispersion.formula)}"
+        parts = [list(c) if isinstance(c, tuple) else c for c in dispersion.coefficients]
         yield f"coefficients = {parts!r}"
-        yield f"range_nm = {list(material.range_nm)!r}"
-        yield "# or instead of these three: wavelength_nm = [...] and n = [...], linear between the rows"
+        yield f"range_nm = {list(range_nm)!r}"
+        if with_formulae:
+            yield "# or instead of these three: wavelength_nm = [...] and n = [...], linear between the rows"
     else:
-        yield from _list("wavelength_nm", material.dispersion.wavelength_nm)
-        yield from _list("n", material.dispersion.values)
-    yield ""
-    if material.absorption is None:
-        yield "# [absorption]  # coefficient to the base e [1/mm]; without it the material is colourless"
+        yield from _list("wavelength_nm", dispersion.wavelength_nm)
+        yield from _list("n", dispersion.values)
+
+
+def _absorption(key: str, absorption: Table | None, *, alone: bool) -> Iterator[str]:
+    if absorption is None and not alone:  # one direction that has none where others have some
+        absorption = Table(wavelength_nm=VISIBLE_NM, values=(0.0, 0.0), key="per_mm")
+    if absorption is None:
+        yield f"# [{key}]  # coefficient to the base e [1/mm]; without it the material is colourless"
         yield "# wavelength_nm = [380, 500, 760]"
         yield "# per_mm = [0.3, 0.1, 0.0]"
         return
-    yield "[absorption]  # coefficient to the base e [1/mm]"
-    yield from _list("wavelength_nm", material.absorption.wavelength_nm)
-    yield from _list("per_mm", material.absorption.values)
+    yield f"[{key}]  # coefficient to the base e [1/mm]"
+    yield from _list("wavelength_nm", absorption.wavelength_nm)
+    yield from _list("per_mm", absorption.values)
 
 
 def _text(text: str) -> str:

@@ -7,26 +7,28 @@ from dataclasses import dataclass, replace
 from functools import cache, partial
 
 from gemrender.errors import InputError
-from gemrender.optics import absorption
+from gemrender.optics import absorption, pleochroism
+from gemrender.optics.crystals.crystal import Crystal
 from gemrender.optics.dispersion import Formula
 from gemrender.optics.fresnel import GUBELIN_INDEX
 from gemrender.optics.material import INDEX_RANGE, SODIUM_NM, Material, constant_index
+from gemrender.optics.minerals import birefringent_crystals
+from gemrender.optics.principal import isotropic_absorption
 from gemrender.optics.tabulated import Table
 from gemrender.reading import did_you_mean
 
 __all__ = ["INDEX_RANGE", "find_material", "material_names", "normal_name", "refractive_index"]
 
-_ORDINARY = "birefringent: rendered with its ordinary index"
 _CHOSEN = "bands of the literature, strength chosen for about 1 carat"
 _COLOUR, _GRADE = f"body colour: {_CHOSEN}", f"colour grade: {_CHOSEN}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Colour:
-    """A body colour: the crystal that has it, and how it absorbs."""
+    """A body colour: the crystal that has it, and how it absorbs, in all directions alike or in each."""
 
     crystal: str
-    absorption: Callable[[], Table | None]
+    absorption: Callable[[], Table | tuple[Table, ...] | None]
     source: str
     note: str = _COLOUR
 
@@ -48,7 +50,7 @@ def _crystal(
 
 @cache
 def _crystals() -> dict[str, Material]:
-    """Return the colourless materials by name.
+    """Return the materials without their colours, by name; some names mean the coloured one.
 
     Coefficients as published, for wavelengths in micrometres; they and the ranges are those of
     refractiveindex.info (CC0). Densities: O'Donoghue, Gems, 6th ed. (2006), rounded.
@@ -69,24 +71,6 @@ def _crystals() -> dict[str, Material]:
             "pyrope-almandine, without its colour, which is rhodolite",
         ),
         _crystal(
-            "moissanite", "pole", (6.57232, 0.1401, 0.03178, -0.02153), (435.8, 2325), 3.22,
-            "Wang et al., Laser Photonics Rev. 7, 831 (2013), 6H, ordinary", _ORDINARY,
-        ),
-        _crystal(
-            "quartz", "sellmeier-2", ((0.28604141, 0.0), (1.07044083, 1.00585997e-2), (1.10202242, 100.0)),
-            (198, 2053.1), 2.65, "G. Ghosh, Opt. Commun. 163, 95 (1999), ordinary", _ORDINARY,
-        ),
-        _crystal(
-            "rutile", "pole", (5.913, 0.2441, 0.0803, 0.0), (430, 1530), 4.26,
-            "J. R. Devore, J. Opt. Soc. Am. 41, 416 (1951), ordinary",
-            f"{_ORDINARY}; its own absorption below 430 nm is left out",
-        ),
-        _crystal(
-            "sapphire", "sellmeier",
-            ((1.43134930, 0.0726631), (0.65054713, 0.1193242), (5.3414021, 18.028251)), (200, 5000), 4.00,
-            "Malitson & Dodge, J. Opt. Soc. Am. 62, 1405 (1972); Dodge (1986), ordinary", _ORDINARY,
-        ),
-        _crystal(
             "spinel", "sellmeier", ((1.8938, 0.09942), (3.0755, 15.826)), (350, 5500), 3.60,
             "Tropf & Thomas, in Palik, Handbook of Optical Constants of Solids II (1991)",
         ),
@@ -100,23 +84,88 @@ def _crystals() -> dict[str, Material]:
             "Zelmon, Small & Page, Appl. Opt. 37, 4933 (1998)",
         ),
     )  # fmt: skip
-    return {material.name: material for material in made}
+    return {material.name: material for material in (*made, *birefringent_crystals())}
 
 
+_PLEOCHROIC = f"pleochroic; {_COLOUR}"
 _COLOURS: dict[str, _Colour] = {
     "ruby": _Colour(
         crystal="sapphire",
-        absorption=absorption.ruby,
+        absorption=pleochroism.ruby,
         source="McClure (1962), Cronemeyer (1966)",
-        note=f"{_COLOUR}; no fluorescence",
+        note=f"{_PLEOCHROIC}; no fluorescence",
     ),
     "blue sapphire": _Colour(
-        crystal="sapphire", absorption=absorption.blue_sapphire, source="Ferguson & Fielding (1971)"
+        crystal="sapphire",
+        absorption=pleochroism.blue_sapphire,
+        source="Ferguson & Fielding (1971)",
+        note=_PLEOCHROIC,
     ),
     "amethyst": _Colour(
         crystal="quartz",
-        absorption=absorption.amethyst,
+        absorption=pleochroism.amethyst,
         source="Lehmann & Moore (1966), Hassan & Cohen (1974)",
+        note=f"{_PLEOCHROIC}; difference of the rays chosen",
+    ),
+    "citrine": _Colour(
+        crystal="quartz",
+        absorption=pleochroism.citrine,
+        source="Lehmann & Bambauer (1973)",
+        note=f"{_PLEOCHROIC}; difference of the rays chosen",
+    ),
+    "green tourmaline": _Colour(
+        crystal="tourmaline",
+        absorption=pleochroism.green_tourmaline,
+        source="Mattson & Rossman (1987)",
+        note=_PLEOCHROIC,
+    ),
+    "blue zircon": _Colour(
+        crystal="zircon",
+        absorption=pleochroism.blue_zircon,
+        source="Renfro (2016), Zeug et al. (2018)",
+        note=f"heated; {_PLEOCHROIC}",
+    ),
+    "emerald": _Colour(
+        crystal="beryl",
+        absorption=pleochroism.emerald,
+        source="Wood & Nassau (1968), Burns (1993)",
+        note=f"{_PLEOCHROIC}; no fluorescence",
+    ),
+    "aquamarine": _Colour(
+        crystal="beryl",
+        absorption=pleochroism.aquamarine,
+        source="Wood & Nassau (1968), Goldman et al. (1978)",
+        note=_PLEOCHROIC,
+    ),
+    "blue topaz": _Colour(
+        crystal="topaz",
+        absorption=pleochroism.blue_topaz,
+        source="Nassau (1985)",
+        note=f"irradiated; {_PLEOCHROIC}; difference of the directions chosen",
+    ),
+    "peridot": _Colour(
+        crystal="peridot",
+        absorption=pleochroism.peridot,
+        source="Farrell & Newnham (1965), Burns (1993)",
+        note=_PLEOCHROIC,
+    ),
+    "tanzanite": _Colour(
+        crystal="tanzanite",
+        absorption=pleochroism.tanzanite,
+        source="Faye & Nickel (1971)",
+        note=f"heated; {_PLEOCHROIC}; shares of the directions chosen",
+    ),
+    "unheated tanzanite": _Colour(
+        crystal="tanzanite",
+        absorption=pleochroism.unheated_tanzanite,
+        source="Faye & Nickel (1971)",
+        note=f"{_PLEOCHROIC}; shares of the directions chosen",
+    ),
+    "alexandrite": _Colour(
+        crystal="chrysoberyl",
+        absorption=pleochroism.alexandrite,
+        source="Farrell & Newnham (1965)",
+        note=f"{_PLEOCHROIC}; bands of the directions chosen for their colours; no fluorescence",
     ),
     "rhodolite": _Colour(
         crystal="garnet", absorption=absorption.rhodolite, source="GIA (1988), Manning (1967)"
@@ -138,7 +187,7 @@ _COLOURS: dict[str, _Colour] = {
 
 def material_names() -> list[str]:
     """Return the names of the materials that come with gemrender, in alphabetical order."""
-    return sorted([*_crystals(), *_COLOURS])
+    return sorted({*_crystals(), *_COLOURS})
 
 
 def normal_name(name: str) -> str:
@@ -151,11 +200,16 @@ def _material(name: str) -> Material:
     if name not in _COLOURS:
         return _crystals()[name]
     colour = _COLOURS[name]
-    crystal = _crystals()[colour.crystal]
+    crystal, made = _crystals()[colour.crystal], colour.absorption()
+    if isinstance(made, tuple):
+        assert crystal.crystal is not None
+        split = Crystal(dispersions=crystal.crystal.dispersions, absorptions=made)
+        crystal = replace(crystal, crystal=split, absorption=isotropic_absorption(split))
+    else:
+        crystal = replace(crystal, absorption=made)
     return replace(
         crystal,
         name=name,
-        absorption=colour.absorption(),
         source=f"{crystal.source}; colour: {colour.source}",
         note="; ".join(part for part in (crystal.note, colour.note) if part),
     )

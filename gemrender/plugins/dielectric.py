@@ -9,11 +9,14 @@ import numpy as np
 from gemrender.errors import InputError
 from gemrender.optics import Material, load_material
 from gemrender.optics.material import VISIBLE_NM
+from gemrender.optics.principal import along_axes
 from gemrender.plugins.properties import number, truth
 from gemrender.plugins.spectra import FIRST_NM, LAST_NM
 
 #: The sodium line, for which stones are scored [nm].
 SODIUM_NM = 589.3
+#: Cosine of axes that are at right angles: numbers with four decimals are less than this off.
+_ACROSS = 1e-3
 
 
 class GemDielectric(mi.BSDF):
@@ -67,17 +70,37 @@ class GemDielectric(mi.BSDF):
        - The stone's axis, table up: the girdle's facets are those across it. (Default: 0, 0, 1)
        -
 
+     * - c_axis
+       - |vector|
+       - Of a birefringent material the optic axis, in the world; of a biaxial one the axis gamma, of the
+         greatest index. With ``gem_path`` only. (Default: 0, 0, 1)
+       -
+
+     * - a_axis
+       - |vector|
+       - Of a biaxial material the axis alpha, of the least index, at right angles to ``c_axis``.
+         (Default: any)
+       -
+
+     * - birefringence
+       - |bool|
+       - Whether a birefringent material splits light; if not, it has its ordinary index and absorption, or
+         the middle index and mean absorption of a biaxial one. (Default: true)
+       -
+
     A smooth dielectric with unpolarised Fresnel reflectance, whose radiance is scaled by the squared index as
     Mitsuba's own ``dielectric`` does. With ``gem_path``, each wavelength has its own index, and the material
-    absorbs on the way.
+    absorbs on the way. A birefringent material splits light in two, and a pleochroic one absorbs by the
+    direction of its field.
 
-    Other integrators ask a surface for one direction at a time, and a surface cannot know whether the
-    wavelengths of a path have parted before; a weight that makes up for those that ended would then count
-    twice. So for them the whole surface has one index, that at ``wavelength``: render one wavelength a pass,
-    in a monochrome variant, and sum up the passes as a spectrum. The index is held outside the kernel: passes
-    at other wavelengths compile nothing. Absorption is left out there: it is no matter of the surface. Nor do
-    they check a scene: meshes must be closed and look outwards, with the vertex normals of their faces
-    (``face_normals``). ``mi.load_dict({'type': 'gem_path'}).check(scene, sensor)`` tells what is wrong.
+    Other integrators take a birefringent material as with ``birefringence`` off. They ask a surface for one
+    direction at a time, and a surface cannot know whether the wavelengths of a path have parted before; a
+    weight that makes up for those that ended would then count twice. So for them the whole surface has one
+    index, that at ``wavelength``: render one wavelength a pass, in a monochrome variant, and sum up the
+    passes as a spectrum. The index is held outside the kernel: passes at other wavelengths compile nothing.
+    Absorption is left out there: it is no matter of the surface. Nor do they check a scene: meshes must be
+    closed and look outwards, with the vertex normals of their faces (``face_normals``).
+    ``mi.load_dict({'type': 'gem_path'}).check(scene, sensor)`` tells what is wrong.
 
     .. tabs::
         .. code-tab:: xml
@@ -112,10 +135,8 @@ class GemDielectric(mi.BSDF):
         self.girdle_alpha = number(props, "girdle_alpha", 0.0)
         if not 0 <= self.girdle_alpha <= 1:
             raise InputError("must be from 0 to 1", key="girdle_alpha", value=self.girdle_alpha)
-        axis = np.array(props.get("axis", mi.ScalarVector3f(0, 0, 1)), dtype=np.float64)
-        if not 0 < np.linalg.norm(axis) < np.inf:
-            raise InputError("must be a vector that is not 0", key="axis", value=axis.tolist())
-        self.axis = axis / np.linalg.norm(axis)
+        self.axis = _direction(props, "axis", (0.0, 0.0, 1.0))
+        self.crystal_axes = _crystal_axes(props)
         grid = np.arange(FIRST_NM, LAST_NM + 1, dtype=np.float64)
         of_range = np.clip(grid, *VISIBLE_NM)
         index = self.material.index(of_range)
@@ -128,6 +149,7 @@ class GemDielectric(mi.BSDF):
         absorption = self.material.absorption_per_mm(of_range) * self.unit_mm
         self.absorption_table = absorption.astype(np.float32)
         self.absorbs = bool(absorption.any())
+        self._split(truth(props, "birefringence", True), of_range)
         self.wavelength = mi.Float(number(props, "wavelength", SODIUM_NM))
         self._update()
         reflection = mi.BSDFFlags.DeltaReflection | mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
@@ -139,6 +161,25 @@ class GemDielectric(mi.BSDF):
         )
         self.m_components = [reflection, transmission]
         self.m_flags = reflection | transmission
+
+    def _split(self, wanted: bool, of_range: np.ndarray) -> None:
+        """Tabulate the index and the absorption of each principal direction."""
+        crystal = self.material.crystal if wanted else None
+        #: Relative index and absorption coefficient [1/scene unit] along each axis of `crystal_axes` on the
+        #: grid; (3, 471) float32. Of a uniaxial crystal the first two are the ordinary ray's.
+        self.principal_tables = np.tile(self.index_table, (3, 1))
+        self.absorption_tables = np.tile(self.absorption_table, (3, 1))
+        if crystal is not None:
+            lines = of_range if self.disperses else np.full_like(of_range, SODIUM_NM)
+            self.principal_tables = (along_axes(crystal, lines) / self.ext_ior).astype(np.float32)
+            if crystal.absorptions:
+                absorption = crystal.principal_absorption_per_mm(of_range).T * self.unit_mm
+                self.absorption_tables = absorption.astype(np.float32)
+                self.absorbs = self.absorbs or bool(absorption.any())
+        #: Whether directions differ, in index or absorption.
+        self.birefringent = bool(
+            np.ptp(self.principal_tables, axis=0).any() or np.ptp(self.absorption_tables, axis=0).any()
+        )
 
     def _update(self) -> None:
         wavelength = self.wavelength[0]
@@ -217,8 +258,37 @@ class GemDielectric(mi.BSDF):
         return (
             f"GemDielectric[\n  material = {self.material.name},\n  ext_ior = {self.ext_ior:g},\n"
             f"  wavelength = {self.wavelength[0]:g},\n  dispersion = {self.disperses},\n"
-            f"  unit_mm = {self.unit_mm:g}\n]"
+            f"  birefringence = {self.birefringent},\n  unit_mm = {self.unit_mm:g}\n]"
         )
+
+
+def _crystal_axes(props: mi.Properties) -> np.ndarray:
+    """Return the optic frame, (3, 3): rows are its axes in the world, unit vectors, right-handed."""
+    third = _direction(props, "c_axis", (0.0, 0.0, 1.0))
+    if "a_axis" in props:
+        first = _direction(props, "a_axis", (1.0, 0.0, 0.0))
+        off = abs(float(first @ third))
+        if off > _ACROSS:
+            angle = np.degrees(np.arcsin(min(off, 1.0)))
+            raise InputError(
+                f"must be at right angles to c_axis, and is {angle:.3g} degrees off",
+                key="a_axis",
+                value=first.tolist(),
+            )
+    else:
+        first = np.eye(3)[int(np.argmin(np.abs(third)))]
+    first = first - (first @ third) * third
+    first /= np.linalg.norm(first)
+    return np.array([first, np.cross(third, first), third])
+
+
+def _direction(props: mi.Properties, key: str, default: tuple[float, float, float]) -> np.ndarray:
+    """Read a direction, as a unit vector."""
+    given = np.array(props.get(key, mi.ScalarVector3f(*default)), dtype=np.float64)
+    length = np.linalg.norm(given)
+    if not 0 < length < np.inf:
+        raise InputError("must be a vector that is not 0", key=key, value=given.tolist())
+    return np.asarray(given / length)
 
 
 mi.register_bsdf("gem_dielectric", lambda props: GemDielectric(props))

@@ -6,7 +6,18 @@ import itertools
 
 import numpy as np
 import pytest
-from glasses import ABSORBED, BY_FORMULA, BY_TABLE, COEFFICIENTS, PAGES, PER_MM, RANGE, edited, published
+from glasses import (
+    ABSORBED,
+    BY_FORMULA,
+    BY_TABLE,
+    COEFFICIENTS,
+    DIRECTIONS,
+    PAGES,
+    PER_MM,
+    RANGE,
+    edited,
+    published,
+)
 from physics_tolerances import FOUR_DECIMALS, ROUNDING
 
 from gemrender import InputError, load_stone
@@ -23,6 +34,14 @@ GRADES = [f"diamond {grade}" for grade in DIAMOND_GRADES]
 CRYSTAL_OF = {
     **{name: name for name in PAGES},
     "garnet": "garnet",
+    **{name: name for name in ("beryl", "topaz", "tourmaline", "zircon")},
+    **dict.fromkeys(("aquamarine", "emerald"), "beryl"),
+    **{f"blue {name}": name for name in ("topaz", "zircon")},
+    "alexandrite": "chrysoberyl",
+    "citrine": "quartz",
+    "green tourmaline": "tourmaline",
+    "peridot": "peridot",
+    **dict.fromkeys(("tanzanite", "unheated tanzanite"), "tanzanite"),
     "rhodolite": "garnet",
     "amethyst": "quartz",
     "ruby": "sapphire",
@@ -86,9 +105,14 @@ def test_continued_formula_is_noted(name):
     assert any("continued" in note for note in load_material(name).notes) == continued
 
 
-@pytest.mark.parametrize("name", ["moissanite", "quartz", "ruby", "rutile", "sapphire"])
+@pytest.mark.parametrize("name", ["moissanite", "quartz", "ruby", "rutile", "sapphire", "zircon"])
 def test_birefringence_is_noted(name):
-    assert "ordinary index" in load_material(name).note
+    assert "scores take the ordinary index" in load_material(name).note
+
+
+@pytest.mark.parametrize("name", ["alexandrite", "peridot", "tanzanite", "topaz"])
+def test_two_optic_axes_are_noted(name):
+    assert "scores take the middle index" in load_material(name).note
 
 
 @pytest.mark.parametrize(
@@ -139,7 +163,7 @@ def test_nothing_shines(name):
     assert (load_material(name).absorption_per_mm(ABSORBED_NM) >= 0).all()
 
 
-@pytest.mark.parametrize("name", [*PAGES, "diamond d"])
+@pytest.mark.parametrize("name", [*PAGES, "diamond d", "beryl", "topaz", "tourmaline", "zircon"])
 def test_colourless_materials_absorb_nothing(name):
     assert (load_material(name).absorption_per_mm(ABSORBED_NM) == 0).all()
 
@@ -267,7 +291,7 @@ def test_file_with_a_formula(load):
     )
 
 
-@pytest.mark.parametrize("name", sorted(PAGES))
+@pytest.mark.parametrize("name", sorted(set(PAGES) - set(DIRECTIONS)))
 def test_built_in_material_as_a_file(name, load):
     known = load_material(name)
     coefficients = [list(c) if isinstance(c, tuple) else c for c in known.dispersion.coefficients]

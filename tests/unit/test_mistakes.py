@@ -221,7 +221,9 @@ wavelength_nm = [380, 760]
 per_mm = [0.1]
 """
     assert refusal(load_material, text) == (
-        "naem = 'x': unknown key; must be one of name, density, source, note, index, absorption; "
+        "naem = 'x': unknown key; must be one of name, density, source, note, index, index_e, "
+        "index_alpha, index_beta, index_gamma, absorption, absorption_e, absorption_alpha, absorption_beta, "
+        "absorption_gamma; "
         "did you mean name?; note = 3: must be one line of at most 1000 characters; "
         "density = 99: must be a number from 0.5 to 25 g/cm3; "
         "absorption.per_mm: must be as many as wavelength_nm: 2, not 1; "
