@@ -73,7 +73,11 @@ def by_tiers(
     if ways.design is not design:  # its meets were closed
         design = ways.design
         stone = design.stone(
-            name=stone.name, material=stone.material, source=stone.source, size_mm=stone.size_mm
+            name=stone.name,
+            material=stone.material,
+            source=stone.source,
+            size_mm=stone.size_mm,
+            crystal=stone.crystal,
         )
     unit = design_unit(stone, design)
     angles, distances = values_of(design)

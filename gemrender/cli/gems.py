@@ -10,7 +10,7 @@ import typer
 
 from gemrender.cli.output import say
 from gemrender.cli.stones import assumptions
-from gemrender.cli.values import choice_option, complete_files, material_option, number_option
+from gemrender.cli.values import c_axis_option, choice_option, complete_files, material_option, number_option
 
 if TYPE_CHECKING:
     from gemrender.scene.photoreal import Gem
@@ -87,6 +87,7 @@ class GemOptions:
             rich_help_panel=GEMS,
         ),
     ] = None
+    c_axis: Annotated[Any, c_axis_option(rich_help_panel=GEMS)] = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -131,7 +132,13 @@ def load_gems(names: list[str], options: GemOptions) -> list[Gem]:
     from gemrender.render.photoreal import make_gems
 
     stones = [load_stone(name) for name in names]
-    gems = make_gems(stones, material=options.material, carat=options.carat, diameter_mm=options.diameter)
+    gems = make_gems(
+        stones,
+        material=options.material,
+        carat=options.carat,
+        diameter_mm=options.diameter,
+        c_axis=options.c_axis,
+    )
     tell_assumptions(names, gems)
     return gems
 

@@ -79,6 +79,10 @@ def render(
         number_option("--time", "seconds", "End after this time (each frame of a film).", metavar="SECONDS"),
     ] = None,
     dispersion: Annotated[bool, typer.Option(help="Whether the index depends on the wavelength.")] = True,
+    birefringence: Annotated[
+        bool,
+        typer.Option(help="Whether birefringent stones split light, or have their ordinary index."),
+    ] = True,
     turn: Annotated[
         float,
         number_option("--turn", "degrees", "Turn of the stones about the vertical.", metavar="DEGREES"),
@@ -184,6 +188,7 @@ def render(
         material=gem.material,
         carat=gem.carat,
         diameter=gem.diameter,
+        c_axis=gem.c_axis,
         setting=held.setting,
         metal=held.metal,
         girdle=held.girdle,
@@ -194,6 +199,7 @@ def render(
         noise=noise,
         time=time,
         dispersion=dispersion,
+        birefringence=birefringence,
         turn=turn,
         seed=seed,
         variant=variant,

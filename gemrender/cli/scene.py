@@ -43,7 +43,7 @@ __all__ = ["scene"]
 
 #: Options of the scored scene, and those of a picture's.
 _OF_SCORES = ("resolution", "fresnel", "rear", "intensity", "tilt", "tilt_azimuth")
-_OF_PICTURES = ("stock", "carat", "diameter", "size", "spp", "setting", "metal", "girdle")
+_OF_PICTURES = ("stock", "carat", "diameter", "c_axis", "size", "spp", "setting", "metal", "girdle")
 #: Stones that a picture's file is named after at most.
 _MOST_NAMED = 3
 

@@ -18,6 +18,7 @@ from gemrender.reading import did_you_mean
 
 __all__ = [
     "OptionError",
+    "c_axis_option",
     "choice_option",
     "complete_files",
     "complete_materials",
@@ -183,6 +184,29 @@ def material_option(words: str, **settings: Any) -> Any:
         metavar="NAME|INDEX",
         help=words,
         autocompletion=complete_materials,
+        **settings,
+    )
+
+
+def c_axis_option(**settings: Any) -> Any:
+    """Return the option --c-axis: three numbers, or "table"."""
+
+    def parse(text: Any) -> Any:
+        from gemrender.cuts.crystal_axes import parse_c_axis
+
+        if not isinstance(text, str):
+            return text
+        try:
+            return parse_c_axis(text)
+        except InputError as error:
+            raise OptionError(InputError(error.allowed, key="--c-axis", value=text)) from error
+
+    return typer.Option(
+        "--c-axis",
+        parser=parse,
+        metavar="X,Y,Z|table",
+        help="Optic axis of birefringent stones, in the stone's frame; of biaxial ones the axis gamma. By "
+        "default what each file says, else table: along the stone's axis.",
         **settings,
     )
 

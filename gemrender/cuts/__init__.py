@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from gemrender.cuts.convert import save_stone
+from gemrender.cuts.crystal_axes import orientation
 from gemrender.cuts.design import Design, Tier
 from gemrender.cuts.files import bundled_stones, load_stone, load_stones
 from gemrender.cuts.given import StoneLike, as_stone
@@ -20,6 +21,7 @@ __all__ = [
     "load_design_file",
     "load_stone",
     "load_stones",
+    "orientation",
     "read_design",
     "save_stone",
     "stone_from_vertices",

@@ -9,12 +9,14 @@ import os
 import sys
 from collections.abc import Callable
 from contextlib import nullcontext
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from gemrender.cuts.bundled import bundled_stones, find_stone, no_such_stone
 from gemrender.cuts.content import DESIGN_KINDS, SOLID_KINDS, kind_of_file
+from gemrender.cuts.crystal_axes import CRYSTAL_KEYS, read_orientation
 from gemrender.cuts.families import families
 from gemrender.cuts.families.stated import from_values, stated_keys
 from gemrender.cuts.families.suggest import stone_of
@@ -44,7 +46,7 @@ from gemrender.reading import (
     stem,
     text_line,
 )
-from gemrender.stone import Stone
+from gemrender.stone import Orientation, Stone
 
 __all__ = ["bundled_stones", "load_stone", "load_stones", "read_cut", "save_vertices"]
 
@@ -58,11 +60,12 @@ _SECTIONS: dict[str, tuple[str, ...]] = {
     "mesh": ("file", "up"),
     "material": ("name", "index"),
     "size": SIZE_KEYS,
+    "crystal": CRYSTAL_KEYS,
 }  # fmt: skip
 #: What only reports state: [angles] with one of them is read as [report] is, as where it lacks the star.
 _OF_REPORTS = ("depth", "girdle", "culet", "shape")
 _SHAPES = ("proportions", "angles", "report", "cut", "vertices", "design", "mesh")
-_TOP = ("name", *_SHAPES, "material", "size")
+_TOP = ("name", *_SHAPES, "material", "size", "crystal")
 
 
 def load_stone(stone: str | os.PathLike[str]) -> Stone:
@@ -140,6 +143,7 @@ def _from_toml(path: Path) -> Stone:
         material = mistakes.of(_material, top, mistakes)
         if "size" in top:
             size = mistakes.of(_size, top, mistakes)
+        crystal = mistakes.of(_crystal, top, mistakes)
         given = [key for key in _SHAPES if key in top]
         if not given and any(key not in _TOP for key in top):  # one of them misspelt
             mistakes.refuse()
@@ -178,6 +182,8 @@ def _from_toml(path: Path) -> Stone:
         make, agreed = made
         with located_at(source, shape):
             stone = make(name=str(name), material=material, source=source, description=shape)
+    if crystal is not None:
+        stone = replace(stone, crystal=crystal)
     if size is None:
         return stone
     with located_at(source, "size"):
@@ -298,6 +304,20 @@ def _size(top: dict[str, Any], mistakes: Mistakes) -> StatedSize | None:
         return None
     with located_at(None, "size"):
         return read_size(values)
+
+
+def _crystal(top: dict[str, Any], mistakes: Mistakes) -> Orientation | None:
+    """Return how the crystal lies; None where a file does not say it, and where there are mistakes."""
+    if "crystal" not in top:
+        return None
+    before = len(mistakes.errors)
+    values = section(top, "crystal", CRYSTAL_KEYS, _home, mistakes)
+    if len(mistakes.errors) > before:
+        return None
+    if len(values) != 1:
+        return read_orientation(values)  # refused: the section as a whole
+    with located_at(None, "crystal"):
+        return read_orientation(values)
 
 
 def _mesh(top: dict[str, Any], toml: Path, mistakes: Mistakes) -> tuple[Path, str | None]:

@@ -11,6 +11,7 @@ from typing import Any
 
 from gemrender.cuts.asc import write_asc
 from gemrender.cuts.convert import design_of
+from gemrender.cuts.crystal_axes import crystal_lines
 from gemrender.cuts.design import Design
 from gemrender.cuts.families.family import Family
 from gemrender.errors import InputError
@@ -55,6 +56,8 @@ def stone_file_text(stone: Stone, *, comments: tuple[str, ...] = (), design: str
         lines += ["", "[material]", f"{key} = {_toml(stone.material)}"]
     if stone.size_mm is not None:
         lines += ["", "[size]", f"length_mm = {_toml(stone.size_mm)}"]
+    if stone.crystal is not None:
+        lines += crystal_lines(stone.crystal)
     return "\n".join(lines) + "\n"
 
 

@@ -360,7 +360,11 @@ def varied(base: Stone, setting: Mapping[str, Value]) -> Stone:
         return replace(base, **made)
     if isinstance(base.cut, Family):
         stone: Stone = base.cut.changed(**own).stone(
-            source=base.source, description=base.description, size_mm=base.size_mm, **made
+            source=base.source,
+            description=base.description,
+            size_mm=base.size_mm,
+            crystal=base.crystal,
+            **made,
         )
         return stone
     return Stone.from_proportions(
@@ -368,6 +372,7 @@ def varied(base: Stone, setting: Mapping[str, Value]) -> Stone:
         source=base.source,
         description=base.description,
         size_mm=base.size_mm,
+        crystal=base.crystal,
         **made,
     )
 

@@ -28,6 +28,7 @@ def render(
     material: str | float | None = None,
     carat: float | None = None,
     diameter: float | None = None,
+    c_axis: str | Sequence[float] | None = None,
     setting: str | None = None,
     metal: str | None = None,
     girdle: str | None = None,
@@ -38,6 +39,7 @@ def render(
     noise: float | None = None,
     time: float | None = None,
     dispersion: bool = True,
+    birefringence: bool = True,
     turn: float = 0.0,
     seed: int = 0,
     variant: str = "llvm_ad_spectral",
@@ -74,6 +76,9 @@ def render(
         Material of all stones, by name or file, or a refractive index; by default each stone's own.
     carat, diameter : float, optional
         Weight of each stone [carat], or its girdle diameter or longer side [mm].
+    c_axis : three floats or "table", optional
+        Optic axis of birefringent stones in the stone's frame, z up, or along the stone's axis; of biaxial
+        ones the axis gamma. By default as each stone's file says, which without is "table".
     setting : {"none", "solitaire", "bezel", "pendant"}, optional
         What holds each stone; by default what the set-up says.
     metal : {"platinum", "gold", "silver"}, optional
@@ -94,6 +99,9 @@ def render(
         Time [s]; at least one pass is rendered.
     dispersion : bool
         Whether the index depends on the wavelength.
+    birefringence : bool
+        Whether birefringent stones split light; if not, they have their ordinary index, of biaxial ones the
+        middle one.
     turn : float
         Turn of the stones about the vertical [deg].
     seed : int
@@ -140,6 +148,7 @@ def render(
         material=material,
         carat=carat,
         diameter=diameter,
+        c_axis=c_axis,
         setting=setting,
         metal=metal,
         girdle=girdle,
@@ -150,6 +159,7 @@ def render(
         noise=noise,
         time=time,
         dispersion=dispersion,
+        birefringence=birefringence,
         turn=turn,
         seed=seed,
         variant=variant,
@@ -169,6 +179,7 @@ class FilmOptions(TypedDict, total=False):
     material: str | float | None
     carat: float | None
     diameter: float | None
+    c_axis: str | Sequence[float] | None
     setting: str | None
     metal: str | None
     girdle: str | None
@@ -179,6 +190,7 @@ class FilmOptions(TypedDict, total=False):
     noise: float | None
     time: float | None
     dispersion: bool
+    birefringence: bool
     turn: float
     seed: int
     variant: str

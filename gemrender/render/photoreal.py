@@ -5,10 +5,12 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from gemrender.cuts.crystal_axes import orientation
 from gemrender.errors import BackendError, GemrenderError, GemrenderWarning, InputError
 from gemrender.optics import carat_to_girdle_diameter_mm, load_material
 from gemrender.optics.material import DIAMETER_RANGE_MM
@@ -49,6 +51,7 @@ def make_gems(
     material: str | float | None = None,
     carat: float | None = None,
     diameter_mm: float | None = None,
+    c_axis: str | Sequence[float] | None = None,
 ) -> list[Gem]:
     """Return stones with material and size.
 
@@ -61,6 +64,8 @@ def make_gems(
     carat, diameter_mm : float, optional
         Weight of each stone [carat], or its girdle diameter [mm], of stones that are not round the length of
         the outline's longer side; not both. By default the stone's own size, of one without 6.5 mm.
+    c_axis : three floats or "table", optional
+        How the crystal of each lies (`gemrender.cuts.orientation`); by default as the stone says.
 
     Raises
     ------
@@ -73,6 +78,9 @@ def make_gems(
     if diameter_mm is not None and not low <= diameter_mm <= high:
         raise InputError(f"must be from {low:g} to {high:g} [mm]", key="diameter", value=diameter_mm)
     gems = []
+    if c_axis is not None:
+        crystal = orientation(c_axis=c_axis)
+        stones = [replace(stone, crystal=crystal) for stone in stones]
     for stone in stones:
         named = material if material is not None else stone.material
         name = "diamond" if named is None else named
@@ -123,6 +131,7 @@ def render(
     time_limit: float | None = None,
     seed: int = 0,
     dispersion: bool = True,
+    birefringence: bool = True,
     bins_nm: Sequence[float] | None = None,
     turn_deg: float = 0.0,
     move: Move | None = None,
@@ -156,6 +165,8 @@ def render(
         Seed.
     dispersion : bool
         Whether the index depends on the wavelength.
+    birefringence : bool
+        Whether birefringent stones split light; if not, they have their ordinary index.
     bins_nm : sequence of float, optional
         Edges of spectral bins [nm].
     turn_deg, move, share : float, Move, float
@@ -200,6 +211,7 @@ def render(
         width=width,
         height=height,
         dispersion=dispersion,
+        birefringence=birefringence,
         turn_deg=turn_deg,
         move=move,
         share=share,

@@ -55,8 +55,9 @@ class Shot:
         Where rendering ends.
     seed : int
         The seed.
-    dispersion, transparent, denoise : bool
-        Whether the index depends on the wavelength, the stones are kept by themselves, the denoiser is used.
+    dispersion, birefringence, transparent, denoise : bool
+        Whether the index depends on the wavelength, birefringent stones split light, the stones are kept by
+        themselves, the denoiser is used.
     variant : str
         Spectral Mitsuba variant.
     turn_deg : float
@@ -75,6 +76,7 @@ class Shot:
     ends: Ends
     seed: int
     dispersion: bool
+    birefringence: bool
     transparent: bool
     denoise: bool
     variant: str
@@ -167,6 +169,7 @@ class Shot:
             **self.ends,
             "seed": self.seed,
             "dispersion": self.dispersion,
+            "birefringence": self.birefringence,
             "transparent": self.transparent,
             "variant": self.variant,
         }
@@ -179,6 +182,7 @@ def prepare(
     material: str | float | None = None,
     carat: float | None = None,
     diameter: float | None = None,
+    c_axis: str | Sequence[float] | None = None,
     setting: str | None = None,
     metal: str | None = None,
     girdle: str | None = None,
@@ -189,6 +193,7 @@ def prepare(
     noise: float | None = None,
     time: float | None = None,
     dispersion: bool = True,
+    birefringence: bool = True,
     turn: float = 0.0,
     seed: int = 0,
     variant: str = photoreal.DEFAULT_VARIANT,
@@ -219,6 +224,7 @@ def prepare(
         material=material,
         carat=None if carat is None else _number("carat", carat),
         diameter_mm=None if diameter is None else _number("diameter", diameter),
+        c_axis=c_axis,
     )
     around = setup if isinstance(setup, Setup) else load_setup(_path("setup", setup))
     around = held(around, setting=setting, metal=metal, girdle=girdle)
@@ -235,6 +241,7 @@ def prepare(
         ends=ends,
         seed=seed,
         dispersion=bool(dispersion),
+        birefringence=bool(birefringence),
         transparent=background == Background.TRANSPARENT,
         denoise=bool(denoise),
         variant=variant,

@@ -18,7 +18,7 @@ from gemrender.report.displays.projection import corners_of
 from gemrender.report.formats import Column, TextTable
 from gemrender.report.measured import Dimension, measured_dimensions
 from gemrender.report.tiers import TierFigures, tiers_of_stone
-from gemrender.stone import Stone
+from gemrender.stone import Orientation, Stone
 
 __all__ = [
     "DEFAULT_SIZE_MM",
@@ -78,6 +78,8 @@ class Inspection:
         Crown, girdle, pavilion; in the order of the facets.
     notes, assumed : tuple of str
         What was mended when it was read, and what was assumed.
+    crystal : str or None
+        How the crystal of a birefringent stone lies in it, in words.
     """
 
     name: str
@@ -102,6 +104,7 @@ class Inspection:
     tiers: tuple[TierFigures, ...]
     notes: tuple[str, ...]
     assumed: tuple[str, ...]
+    crystal: str | None = None
 
 
 def check_size(size_mm: float) -> float:
@@ -170,7 +173,20 @@ def inspect_stone(stone: Stone, *, size_mm: float | None = None) -> Inspection:
         tiers=tiers_of_stone(stone),
         notes=stone.notes,
         assumed=stone.assumed,
+        crystal=None if material.crystal is None else _crystal_of(stone, len(material.crystal.dispersions)),
     )
+
+
+def _crystal_of(stone: Stone, directions: int) -> str:
+    """Say how a crystal lies in a stone."""
+    told = stone.crystal or Orientation()
+    if told.key == "angles":
+        return f"Euler's angles {', '.join(f'{angle:g}' for angle in told.value)} degrees"
+    axis = "axis gamma" if directions == 3 else "optic axis"
+    if told.value == "table":
+        return f"{axis} along the stone's axis"
+    along = stone.crystal_axes[2] if not told.key else told.value
+    return f"{axis} along ({', '.join(f'{part:.4g}' for part in along)})"
 
 
 def _cut_of(stone: Stone) -> str:
@@ -228,6 +244,7 @@ def figures_of_stone(found: Inspection) -> list[list[str]]:
         ["Symmetry", found.symmetry],
         ["Rear light", f"by {found.rear_rule}"],
         ["Material", material],
+        *([["Crystal", found.crystal]] if found.crystal else []),
         ["Size", size],
         ["Volume", f"{found.volume_mm3:.2f} mm3"],
         ["Weight", weight],

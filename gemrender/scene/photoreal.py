@@ -114,6 +114,7 @@ def photoreal_scene(
     width: int,
     height: int,
     dispersion: bool = True,
+    birefringence: bool = True,
     stock: bool = False,
     turn_deg: float = 0.0,
     move: Move | None = None,
@@ -133,6 +134,8 @@ def photoreal_scene(
         Size of the picture [pixels].
     dispersion : bool
         Whether the index depends on the wavelength.
+    birefringence : bool
+        Whether birefringent stones split light; if not, they have their ordinary index.
     stock : bool
         Whether to use Mitsuba's own plugins only: `path` and `dielectric`, without dispersion and
         absorption, colours as RGB.
@@ -226,6 +229,7 @@ def photoreal_scene(
     built |= beside(setup, stones, settings, radius_mm=0.5 * first_mm, stock=stock)
     surfaces = tuple(
         _surface(gem, first_mm, dispersion, stock)
+        | ({} if stock else _crystal(gem, stone, birefringence))
         | ({} if stock or setup.girdle != "bruted" else _bruted(stone))
         for gem, stone in zip(gems, stones, strict=True)
     )
@@ -286,6 +290,16 @@ def _surface(gem: Gem, first_mm: float, dispersion: bool, stock: bool) -> dict[s
         "dispersion": dispersion,
         "unit_mm": 0.5 * first_mm,
     }
+
+
+def _crystal(gem: Gem, placed: Placed, birefringence: bool) -> dict[str, Any]:
+    """Return what a birefringent stone's surface says of its crystal: how it lies in the world."""
+    if gem.material.crystal is None:
+        return {}
+    if not birefringence:
+        return {"birefringence": False}
+    axes = gem.stone.crystal_axes @ placed.rotation.T
+    return {"c_axis": axes[2].tolist(), "a_axis": axes[0].tolist()}
 
 
 def _faceted(stone: Stone) -> Stone:

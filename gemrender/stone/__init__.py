@@ -5,6 +5,7 @@ from __future__ import annotations
 from gemrender.stone.facets import Facet, side_of
 from gemrender.stone.frame import in_frame
 from gemrender.stone.mesh import StoneMesh, tessellate
+from gemrender.stone.orientation import Orientation
 from gemrender.stone.solid import ConvexSolid, MeshSolid, convex_solid
 from gemrender.stone.stone import Stone
 from gemrender.stone.symmetry import Symmetry
@@ -13,6 +14,7 @@ __all__ = [
     "ConvexSolid",
     "Facet",
     "MeshSolid",
+    "Orientation",
     "Stone",
     "StoneMesh",
     "Symmetry",

@@ -12,6 +12,7 @@ from gemrender.errors import InputError
 from gemrender.shown import Shown, plots
 from gemrender.stone.facets import LEVEL, Facet
 from gemrender.stone.frame import lower_edge
+from gemrender.stone.orientation import Orientation
 from gemrender.stone.planes import mean_planes
 from gemrender.stone.solid import ConvexSolid, MeshSolid
 from gemrender.stone.symmetry import NONE, Symmetry, find_symmetry
@@ -73,6 +74,9 @@ class Stone(Shown):
     size_mm : float or None
         Two of its units: the longer side of the outline, or the diameter of a round one [mm], where it is
         known. It stays as it is when the stone is turned.
+    crystal : Orientation or None
+        How its crystal lies in it, of use to birefringent materials; None is with the optic axis along the
+        stone's axis. It turns with the stone.
 
     Raises
     ------
@@ -92,6 +96,7 @@ class Stone(Shown):
     labelled_vertices: np.ndarray | None = field(default=None, repr=False)
     known_symmetry: Symmetry | None = field(default=None, repr=False)
     size_mm: float | None = None
+    crystal: Orientation | None = None
 
     def __post_init__(self) -> None:
         if len(self.facets) != self.solid.n_facets:
@@ -202,6 +207,11 @@ class Stone(Shown):
             return self.known_symmetry
         return find_symmetry(self.solid) if isinstance(self.solid, ConvexSolid) else NONE
 
+    @property
+    def crystal_axes(self) -> np.ndarray:
+        """(3, 3) float64: rows are the axes of the optic frame in the stone's frame (`Orientation.axes`)."""
+        return (self.crystal or Orientation()).array()
+
     def plot(self, ax: Any = None, *, view: str = "crown") -> Any:
         """Draw a view of the stone: its edges, the outline in a heavier line.
 
@@ -236,6 +246,7 @@ class Stone(Shown):
             cut=None,
             labelled_vertices=None if labelled is None else labelled @ turn.T,
             known_symmetry=None,
+            crystal=(self.crystal or Orientation()).turned(turn),
         )
 
     def tilted(

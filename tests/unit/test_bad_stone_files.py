@@ -25,7 +25,8 @@ REFUSED = {
     "unknown section": (
         PROPORTIONS.replace("[proportions]", "[proportion]\nx = 1"),
         "proportion = {'x': 1, 'table': 54.0, 'star': 57.0, 'lower_girdle_contact…: unknown key; "
-        "must be one of name, proportions, angles, report, cut, vertices, design, mesh, material, size; "
+        "must be one of name, proportions, angles, report, cut, vertices, design, mesh, material, size, "
+        "crystal; "
         "did you mean proportions?",
     ),
     "unknown key": (
@@ -35,7 +36,7 @@ REFUSED = {
     "key without its section": (
         "table = 54\n" + PROPORTIONS,
         "table = 54: unknown key; must be one of name, proportions, angles, report, cut, vertices, design, "
-        "mesh, material, size; "
+        "mesh, material, size, crystal; "
         "it belongs in [proportions] or [angles] or [report]",
     ),
     "key of another section": (

@@ -124,7 +124,7 @@ index = 0
 
 
 def test_stone_files():
-    keys = "name, proportions, angles, report, cut, vertices, design, mesh, material, size"
+    keys = "name, proportions, angles, report, cut, vertices, design, mesh, material, size, crystal"
     assert refusal(load_stone, _STONE) == (
         f"nam = 'x': unknown key; must be one of {keys}; did you mean name?; "
         "material.index = 0: must be a finite number above 1; "

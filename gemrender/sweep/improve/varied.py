@@ -72,7 +72,8 @@ def remaker(stone: Stone, meets: str | None = None) -> Remake:
     if meets is not None:
         raise InputError("only designs of tiers have meets", key="meets", value=meets)
     if isinstance(cut, Family):
-        facts: dict[str, Any] = {"name": stone.name, "material": stone.material, "size_mm": stone.size_mm}
+        kept = ("name", "material", "size_mm", "crystal")
+        facts: dict[str, Any] = {key: getattr(stone, key) for key in kept}
 
         def of_family(values: Mapping[str, float]) -> Stone:
             made: Stone = cut.changed(**values).stone(**facts)
@@ -100,7 +101,11 @@ def _of_design(stone: Stone, design: Design, meets: str) -> Remake:
             else:
                 changes[tier, quantity] = value if design.tiers[tier].is_crown else -value
         made = ways.changed(changes).stone(
-            name=stone.name, material=stone.material, size_mm=stone.size_mm, source=stone.source
+            name=stone.name,
+            material=stone.material,
+            size_mm=stone.size_mm,
+            crystal=stone.crystal,
+            source=stone.source,
         )
         lost = kinds - {facet.kind for facet in made.facets}
         if lost:
