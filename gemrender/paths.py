@@ -69,6 +69,10 @@ class Paths(Shown):
         still make the view.
     section : (n,) float64 or None
         With them: cross-section of the light outside, where the path leaves, by that in the view.
+    image_angle : (n,) float64 or None
+        With them, where a measure needs it: angle at which the light of the two images leaves that are seen
+        through the facets of the path, one of light that stays in one mode and one of that in the other
+        [deg]; NaN where there are not both.
     images : (n,) int64 or None
         Of a part of a symmetric view, how many of the whole view's virtual facets each row stands for; None
         where the whole view was traced.
@@ -94,6 +98,7 @@ class Paths(Shown):
     entering: np.ndarray | None = None
     leaving: np.ndarray | None = None
     section: np.ndarray | None = None
+    image_angle: np.ndarray | None = None
     images: np.ndarray | None = None
     stone: Stone
 

@@ -227,6 +227,8 @@ class Measure:
         paths, whose imaginary parts are derivatives, they yield complex numbers, and decide by real parts.
     needs_normals : bool
         Whether it needs the normals of paths (`Paths.entry_normal`, `Paths.unfolded_exit_normal`).
+    needs_images : bool
+        Whether it needs the angle between the two images of a birefringent stone (`Paths.image_angle`).
     """
 
     name: str = ""
@@ -242,6 +244,7 @@ class Measure:
     views: str = "one"
     smooth_keys: tuple[str, ...] = ()
     needs_normals: bool = False
+    needs_images: bool = False
 
     def contributions(self, light: Light) -> np.ndarray:
         """Return what each path adds, per unit of its area.

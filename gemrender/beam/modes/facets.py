@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from gemrender.beam.budget import Budget, no_limits
 from gemrender.beam.facets import SMALLEST_FACET, FacetStatus, kernel_rules
 from gemrender.beam.modes.crystal import Biaxial, Uniaxial
+from gemrender.beam.modes.images import image_angles, images_of_nodes
 from gemrender.beam.modes.lists import (
     AREA,
     ENTERING,
@@ -73,6 +74,10 @@ class ModeFacets(Shown):
         Area times share that none of them holds: slivers thinner than rounding [girdle radius^2].
     wedge : (k, 3) float64
         Rows (a, b, c) with a x + b y + c <= 0 in the part of the view that was traced; none for all of it.
+    polygons : ModePolygons
+        The same, as kernels take them.
+    images_of_nodes : (k, 2, 3) float64 or None
+        Wave vectors of both images behind each node (`images.images_of_nodes`), if they were asked for.
     stone, view, model
         What was traced. Of the view only its direction counts, of the model not its index.
     """
@@ -95,6 +100,7 @@ class ModeFacets(Shown):
     view: View
     model: Model
     polygons: ModePolygons
+    images_of_nodes: np.ndarray | None
 
     def __len__(self) -> int:
         return len(self.starts)
@@ -160,6 +166,7 @@ def trace_mode_facets(
     least: float = LEAST,
     follows_all: bool = False,
     whole: bool = True,
+    needs_images: bool = False,
     budget: Budget | None = None,
 ) -> ModeFacets:
     """Cut the view of a birefringent stone into polygons.
@@ -179,6 +186,8 @@ def trace_mode_facets(
     whole : bool
         Whether all of the view is wanted; if not, of a stone that is symmetric together with its crystal, the
         part that tells it.
+    needs_images : bool
+        Whether the angle between the two images of each is asked for (`Paths.image_angle`).
     budget : Budget, optional
         Time and memory to keep to.
     """
@@ -189,6 +198,10 @@ def trace_mode_facets(
         work, outlines, outline_ends = trace_modes(convex.solid, crystal, basis, wedge, rules, limits)
     n_corners, n = work.done.used
     facts, numbers, used = work.done.facts[:n], work.done.numbers[:n], int(work.used[0])
+    images, angles = None, None
+    if needs_images:
+        images = images_of_nodes(work, crystal, convex.solid.planes, basis)
+        angles = image_angles(work.done, convex.solid.planes, images)
     nodes = work.nodes[:used].copy()
     nodes[:, 1] = convex.facet[nodes[:, 1]]
     corners, ends = work.done.corners[:n_corners], facts[:, 0]
@@ -203,7 +216,7 @@ def trace_mode_facets(
         node=facts[:, 2],
         nodes=nodes,
         waves=work.waves[:used],
-        paths=_paths(work, corners, starts, convex, basis),
+        paths=replace(_paths(work, corners, starts, convex, basis), image_angle=angles),
         covered=outlines,
         covered_ends=outline_ends,
         unaccounted=float(work.sums[0]),
@@ -212,6 +225,7 @@ def trace_mode_facets(
         view=view,
         model=model,
         polygons=work.done,
+        images_of_nodes=images,
     )
 
 

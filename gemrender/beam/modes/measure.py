@@ -33,6 +33,7 @@ from gemrender.beam.modes.facets import LEAST, ModeFacets, trace_mode_facets
 from gemrender.beam.modes.more_rays import LeftToRays
 from gemrender.beam.near_girdle import more_rays
 from gemrender.beam.solid import BeamStone, beam_stone
+from gemrender.errors import InputError
 from gemrender.measures.inoue import BANDS, INTENSITY, LOST, MET, REAR, TRAPPED
 from gemrender.measures.measure import HEAD_DEG, Measure
 from gemrender.measures.tally import Tally
@@ -86,14 +87,21 @@ def measure_modes(
     Raises
     ------
     InputError
-        The stone is not convex, or the bound out of range.
+        The stone is not convex, the bound out of range, or a measure over all views.
     """
+    for of in measures:
+        if of.views != "one":
+            raise InputError(
+                f"{of.name} is a sum over views, in which light of birefringent stones is not split",
+                key="measures",
+                value=of.name,
+            )
     start, wanted = time.perf_counter(), check_bound(bound)
     convex = stone if isinstance(stone, BeamStone) else beam_stone(stone)
     tally = Tally(view or View(resolution=1), model or Model.of(convex.stone), measures, head_deg, zenith)
     facets = trace_mode_facets(
         convex, crystal, view=tally.view, model=tally.model, least=least, follows_all=tally.follows_all,
-        whole=not tally.is_axial, budget=budget,
+        whole=not tally.is_axial, needs_images=tally.needs_images, budget=budget,
     )  # fmt: skip
     resolved = tally.sum_up(facets.paths)[0]
     resolved[[TRAPPED, MET]] += facets.unaccounted

@@ -8,6 +8,7 @@ from gemrender.beam.budget import Budget
 from gemrender.beam.modes.crystal import Biaxial, Uniaxial
 from gemrender.beam.modes.facets import ModeFacets, mode_rules
 from gemrender.beam.modes.rays import (
+    ANGLE,
     COS_ENTRY,
     COS_EXIT,
     ENTERED,
@@ -126,7 +127,9 @@ class LeftToRays:
         drawn = (np.arange(n) + self._random.random((SETS, n))) / n
         which = np.searchsorted(self._upto, drawn.reshape(-1) * self._cells_area, side="right")
         which = np.minimum(which, len(self._cells) - 1)
-        rays = empty_mode_rays(total, self._random, follows_all=self._rules.follows_all)
+        rays = self._empty(total)
+        if facets.images_of_nodes is not None:
+            rays.images[:] = facets.images_of_nodes[facets.node[self._cells[which]]]
         start_mode_rays(
             facets.polygons, facets.nodes, facets.waves, self._cells[which], facets.view.basis(),
             self._convex.solid.planes, rays,
@@ -134,12 +137,17 @@ class LeftToRays:
         area = self._cells_area / n / self._weights[which]
         return self._followed(rays, area, np.repeat(np.arange(SETS), n))
 
+    def _empty(self, n: int) -> ModeRays:
+        return empty_mode_rays(
+            n, self._random, follows_all=self._rules.follows_all, needs_images=self._tally.needs_images
+        )  # fmt: skip
+
     def _of_rim(self, n: int) -> Paths:
         """Follow rays of each set from n lines across the rim."""
         unit = self._random.random((SETS, n, 2))
         unit[..., 0] = (np.arange(n) + unit[..., 0]) / n
         places, area, lines = self._rim.places(unit.reshape(-1, 2))
-        rays = empty_mode_rays(len(places), self._random, follows_all=self._rules.follows_all)
+        rays = self._empty(len(places))
         enter_mode_rays(
             self._convex.solid, self._crystal, self._facets.view.basis(), places, empty_facet(), rays
         )  # fmt: skip
@@ -147,7 +155,7 @@ class LeftToRays:
 
     def _followed(self, rays: ModeRays, area: np.ndarray, of_set: np.ndarray) -> Paths:
         """Follow rays that stand for areas (n,) of sets (n,)."""
-        now = ModeRays(rays.numbers[0].copy(), rays.facts[0].copy(), rays.random[:1])
+        now = rays._replace(numbers=rays.numbers[0].copy(), facts=rays.facts[0].copy())
         follow_mode_rays(self._convex.solid, self._crystal, self._rules, empty_facet(), now, rays)
         self.rays += len(of_set)
         numbers, facts, facet = rays.numbers, rays.facts, self._convex.facet
@@ -168,6 +176,7 @@ class LeftToRays:
             entering=numbers[:, ENTERED],
             leaving=np.where(exits, numbers[:, LEAVES], 0.0),
             section=numbers[:, SECTION_],
+            image_angle=numbers[:, ANGLE] if self._tally.needs_images else None,
             set_number=np.tile(of_set, again),
             stone=self._convex.stone,
         )

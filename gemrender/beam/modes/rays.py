@@ -14,6 +14,7 @@ import numpy as np
 
 from gemrender.beam.compiled import jit, jit_inner
 from gemrender.beam.crossing import PARALLEL
+from gemrender.beam.modes.images import angle_of_images, reflect_images, write_first_images
 from gemrender.beam.modes.lists import AREA, ENTERING, SECTION, WEIGHT
 from gemrender.beam.modes.shares import into_air, meet, ray_of, wave_vector_of, write_entering
 from gemrender.beam.modes.waves import BACK
@@ -28,9 +29,9 @@ _TRAPPED, _LOST = int(RayStatus.TRAPPED), int(RayStatus.LOST)
 #: Columns of numbers: where a ray is, its direction and wave vector (of a ray that has left, only its
 #: direction counts), the beam's cross-section, what has entered the stone, the cosine where it entered, what
 #: has become of it by partial reflections, 1 over the probability of its having been drawn among later exits,
-#: and the share that leaves and its cosine.
+#: and the share that leaves and its cosine, and the angle between the two images [deg].
 X, D, K, SECTION_, ENTERED, COS_ENTRY, WEIGHT_, FACTOR = 0, 3, 6, 9, 10, 11, 12, 13
-LEAVES, COS_EXIT, _NUMBERS = 14, 15, 16
+LEAVES, COS_EXIT, ANGLE, _NUMBERS = 14, 15, 16, 17
 #: Columns of facts: status, mode, reflections, partial ones, and the planes of entry and exit (-1 for none).
 STATUS, MODE, REFLECTIONS, PARTIAL, ENTRY, EXIT, _FACTS = range(7)
 
@@ -38,25 +39,32 @@ STATUS, MODE, REFLECTIONS, PARTIAL, ENTRY, EXIT, _FACTS = range(7)
 class ModeRays(NamedTuple):
     """Rays, a row each; where all light is followed, those after the first n are of later exits.
 
-    numbers : (m, 16) float64
+    numbers : (m, 17) float64
         See the names of its columns.
     facts : (m, 6) int64
         The same.
+    images : (n, 2, 3) float64
+        Wave vectors of both images (`images`), NaN where there are none, or nobody asks for them; (0, 2, 3)
+        if nobody does.
     random : (n,) uint64
         State of each ray's random numbers, never 0.
     """
 
     numbers: Any
     facts: Any
+    images: Any
     random: Any
 
 
-def empty_mode_rays(n: int, random: np.random.Generator, *, follows_all: bool = False) -> ModeRays:
+def empty_mode_rays(
+    n: int, random: np.random.Generator, *, follows_all: bool = False, needs_images: bool = False
+) -> ModeRays:
     """Return n rays that have met nothing."""
     rows = 2 * n if follows_all else n
     return ModeRays(
         np.zeros((rows, _NUMBERS)),
         np.zeros((rows, _FACTS), np.int64),
+        np.full((n if needs_images else 0, 2, 3), np.nan),
         random.integers(1, 1 << 63, n, dtype=np.uint64),
     )
 
@@ -167,6 +175,8 @@ def enter_mode_rays(solid: Any, crystal: Any, basis: Any, points: Any, facet: An
         cos = -(dx * nx + dy * ny + dz * nz)
         numbers[X], numbers[X + 1], numbers[X + 2] = x + t * dx, y + t * dy, z + t * dz
         _go_on(mode, cos, 1.0, dx, dy, dz, numbers, facet)
+        if rays.images.shape[0]:
+            write_first_images(dx, dy, dz, facet, rays.images[r])
         numbers[ENTERED], numbers[COS_ENTRY], numbers[WEIGHT_], numbers[FACTOR] = entering, cos, 1.0, 1.0
         facts[STATUS], facts[MODE], facts[REFLECTIONS], facts[PARTIAL] = _INSIDE, mode, 0, 0
         facts[ENTRY] = entry
@@ -226,7 +236,7 @@ def _write_exit(
         rays.facts[row, a] = facts[a]
     dx, dy, dz, cos = into_air(nx, ny, nz, numbers[K], numbers[K + 1], numbers[K + 2])
     out[D], out[D + 1], out[D + 2], out[COS_EXIT], out[LEAVES] = dx, dy, dz, cos, passed
-    out[SECTION_] = numbers[SECTION_] * cos / along
+    out[SECTION_], out[ANGLE] = numbers[SECTION_] * cos / along, math.nan
     rays.facts[row, STATUS], rays.facts[row, EXIT] = _EXITED, surface
 
 
@@ -280,6 +290,8 @@ def follow_mode_rays(solid: Any, crystal: Any, rules: Any, facet: Any, now: Any,
             back = first + second
             if passed > 0.0 and facts[PARTIAL] == 0:
                 _write_exit(numbers, facts, surface, nx, ny, nz, along, passed, rays, r)
+                if rays.images.shape[0]:
+                    rays.numbers[r, ANGLE] = angle_of_images(nx, ny, nz, rays.images[r])
                 if not rules.follows_all:
                     break
                 row = n + r
@@ -296,4 +308,6 @@ def follow_mode_rays(solid: Any, crystal: Any, rules: Any, facet: Any, now: Any,
                 break
             mode = 0 if _random(rays.random, r) * back < first else 1
             _go_on(mode, along, numbers[SECTION_], kx, ky, kz, numbers, facet)
+            if rays.images.shape[0] and facts[PARTIAL] == 0:
+                reflect_images(crystal, nx, ny, nz, facet, rays.images[r])
             facts[MODE], facts[REFLECTIONS] = mode, facts[REFLECTIONS] + 1
