@@ -218,6 +218,7 @@ def measure(
     time_limit: float = DEFAULT_TIME_LIMIT,
     memory_limit: float = DEFAULT_MEMORY_LIMIT,
     progress: Callable[[float], None] | None = None,
+    birefringence: bool = False,
     **short: Unpack[ShortForms],
 ) -> tuple[Measurement, View, Model]:
     """Score a stone by the exact engine without maps, which cost more than the score.
@@ -232,6 +233,8 @@ def measure(
         Half the angle at which the viewer's head is seen from the stone, 0 to below 90 [deg].
     zenith : (3,) float64, optional
         The viewer's zenith, in the stone's frame; by default the direction to the eye.
+    birefringence : bool
+        Whether light is split in a birefringent stone (`gemrender.beam.modes`).
 
     Returns
     -------
@@ -245,11 +248,17 @@ def measure(
     from gemrender.beam import Budget
     from gemrender.beam import measure as by_beams
 
-    measured = by_beams(
-        stone, view=view, model=model, measures=measures, head_deg=check_head(head), zenith=zenith,
-        bound=bound, seed=seed, progress=progress, budget=Budget(time_limit, memory_limit),
-    )  # fmt: skip
-    return measured, view, model
+    asked: Any = {
+        "view": view, "model": model, "measures": measures, "head_deg": check_head(head), "zenith": zenith,
+        "bound": bound, "seed": seed, "progress": progress, "budget": Budget(time_limit, memory_limit),
+    }  # fmt: skip
+    if birefringence:
+        from gemrender.beam.modes import crystal_of, measure_modes
+
+        crystal = crystal_of(stone, model)
+        if crystal is not None:
+            return measure_modes(stone, crystal, **asked)[0], view, model
+    return by_beams(stone, **asked), view, model
 
 
 @spelt_out()

@@ -62,6 +62,17 @@ class Paths(Shown):
         the error. None where the rows are no random sample.
     pixel : (n,) int64 or None
         Of rays through the pixels of a map the number of the pixel, row by row from the top; else None.
+    entering, leaving : (n,) float64 or None
+        Shares T of the light that cross the surface where the path enters and where it leaves, of a
+        birefringent stone, whose modes are not shared out by Fresnel's equations; None where they are. There
+        `area` is that of a polygon or ray times the share of its modes, of all that a place has: so areas
+        still make the view.
+    section : (n,) float64 or None
+        With them: cross-section of the light outside, where the path leaves, by that in the view.
+    image_angle : (n,) float64 or None
+        With them, where a measure needs it: angle at which the light of the two images leaves that are seen
+        through the facets of the path, one of light that stays in one mode and one of that in the other
+        [deg]; NaN where there are not both.
     images : (n,) int64 or None
         Of a part of a symmetric view, how many of the whole view's virtual facets each row stands for; None
         where the whole view was traced.
@@ -84,6 +95,10 @@ class Paths(Shown):
     unfolded_exit_normal: np.ndarray | None = None
     set_number: np.ndarray | None = None
     pixel: np.ndarray | None = None
+    entering: np.ndarray | None = None
+    leaving: np.ndarray | None = None
+    section: np.ndarray | None = None
+    image_angle: np.ndarray | None = None
     images: np.ndarray | None = None
     stone: Stone
 

@@ -252,6 +252,7 @@ def score(
     engine: str = DEFAULT_ENGINE,
     measures: str | Measure | Iterable[str | Measure] | None = None,
     head: float = DEFAULT_HEAD,
+    birefringence: bool = False,
     **options: Unpack[TraceOptions],
 ) -> Score:
     """Trace a stone and score it.
@@ -266,6 +267,10 @@ def score(
     measures : str, Measure, or iterable of them, optional
         What to measure besides the paper's score: names (`gemrender.measures`), several with commas between
         them, `all`, or measures of your own.
+    birefringence : bool
+        Whether the exact engine splits light in a birefringent stone, whose crystal lies as the stone says.
+        By default such a stone has its ordinary index alone (biaxial: its middle one), as in all engines. An
+        index of your own is an isotropic stone's.
     **options
         As of `TraceOptions`.
 
@@ -288,9 +293,17 @@ def score(
     chosen = chosen_or_none(measures)
     check_head(head)
     if engine_for(engine, stone) != "exact":
+        if birefringence:
+            raise InputError(
+                "light is split in birefringent convex stones by the exact engine alone",
+                key="birefringence",
+                value=birefringence,
+            )
         found = score_observation(observe(stone, engine=engine, **options))
         return found if chosen is None else add_measures(found, stone, engine, chosen, head, options)
-    measured, view, model = measure(stone, measures=chosen or (), head=head, **options)
+    measured, view, model = measure(
+        stone, measures=chosen or (), head=head, birefringence=birefringence, **options
+    )
     return score_measurement(measured, stone, view, model, with_measures=chosen is not None)
 
 

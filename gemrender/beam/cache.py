@@ -29,7 +29,7 @@ _DIGEST_BYTES = 32
 def source_stamp() -> str:
     """Return a digest of what goes into the kernels: their sources, and the numbers that they take over."""
     digest = _DIGEST(gemrender.__version__.encode())
-    for path in (*sorted(Path(__file__).parent.glob("*.py")), Path(fresnel.__file__)):
+    for path in (*sorted(Path(__file__).parent.rglob("*.py")), Path(fresnel.__file__)):
         digest.update(path.name.encode() + path.read_bytes())
     return digest.hexdigest()
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Protocol
 
 import numpy as np
 
@@ -25,6 +26,7 @@ from gemrender.stone import Stone
 __all__ = [
     "BOUND_RANGE",
     "PRINCIPAL_NORMALS",
+    "Found",
     "check_bound",
     "facet_sums",
     "measure",
@@ -190,12 +192,12 @@ def _settle(
     wanted: float,
     progress: Callable[[float], None] | None,
     budget: Budget | None,
-) -> _Found:
+) -> Found:
     """Follow rays until everything is known as closely as is wanted, as far as that can be."""
     rays = _FIRST_RAYS
     while True:
         near.go_on(near.numbers(rays), progress, budget)
-        found = _Found(tally, resolved + near.found(), near.unseen)
+        found = Found(tally, resolved + near.found(), near.unseen)
         # No ray more makes less light trapped.
         allowed = max(wanted - found.unsolved, 0.5 * wanted)
         if found.scatter <= allowed or rays >= _MOST_RAYS or near.stopped:
@@ -203,7 +205,16 @@ def _settle(
         rays = more_rays(rays, found.scatter, allowed)
 
 
-class _Found:
+class Counted(Protocol):
+    """What is known of virtual facets (`VirtualFacets`)."""
+
+    @property
+    def is_counted(self) -> np.ndarray: ...
+    @property
+    def paths(self) -> Paths: ...
+
+
+class Found:
     """What sums of sets say: scores, and how far they scatter.
 
     Parameters
@@ -233,7 +244,7 @@ class _Found:
         steering = [errors for errors, of in zip(self._errors, tally.measures, strict=True) if of.unit == "%"]
         self.scatter = float(max([scatter, *(np.nanmax(errors, initial=0.0) for errors in steering)]))
 
-    def measures(self, facets: VirtualFacets, images: np.ndarray) -> tuple[MeasureValues, ...]:
+    def measures(self, facets: Counted, images: np.ndarray) -> tuple[MeasureValues, ...]:
         """Return what each measure says, of virtual facets with so many images (n,) each."""
         if not self._tally.measures:
             return ()

@@ -26,10 +26,11 @@ from gemrender.beam.solid import BeamStone
 from gemrender.beam.view_area import view_area
 from gemrender.measures.inoue import MET
 from gemrender.measures.tally import SETS, Tally
-from gemrender.observation import RayStatus
+from gemrender.observation import Model, RayStatus, View
 from gemrender.paths import Paths
+from gemrender.stone import Stone
 
-__all__ = ["CELLS", "RIM", "STEPS", "NearGirdle", "by_sets", "more_rays", "next_points"]
+__all__ = ["CELLS", "RIM", "STEPS", "UNSEEN", "NearGirdle", "Rim", "by_sets", "more_rays", "next_points"]
 
 #: The regions that rays are spread over: girdle cells of principal light, the rim, and, where all light is
 #: followed, cells of what has been reflected in part.
@@ -42,7 +43,7 @@ STEPS = np.array([1 / _PLASTIC, 1 / _PLASTIC**2])
 _ODD = np.uint64(0x9E3779B97F4A7C15)
 #: What of one ray's share light can be that no ray has met, with the probability 1 - 0.999 (two-sided): of n
 #: rays none meets a share p with (1 - p)^n, so p is below -ln(0.0005)/n.
-_UNSEEN = 7.6
+UNSEEN = 7.6
 #: A share of the view that is small, and the fewest rays of a set.
 _SMALL, _FEWEST = 2e-3, 8
 #: Rays of a set that are traced at a time, between two reports of progress.
@@ -94,7 +95,7 @@ class NearGirdle:
         self._follows_all = facets.unfolding is not None
         self._seed, self._shifts = seed, _shifts_of(seed)
         cells = Cells(facets, of_principal=True)
-        self._regions: list[_Region] = [cells, _Rim(convex, facets)]
+        self._regions: list[_Region] = [cells, Rim(convex, facets)]
         seen = float(facets.area @ (facets.paths.partial_reflections == 0))
         is_round = facets.stone.is_round  # else polygons tell all of the view
         self.view_area = view_area(convex, facets.view) / facets.parts if is_round else seen
@@ -126,7 +127,7 @@ class NearGirdle:
         What so few rays meet that all sets may agree by chance, their scatter does not tell.
         """
         each = [
-            min(_UNSEEN * of.largest / (SETS * done), area) if done else 0.0
+            min(UNSEEN * of.largest / (SETS * done), area) if done else 0.0
             for of, done, area in zip(self._regions, self._done, self.areas, strict=True)
         ]
         return max(each[:LATER]), max(each)
@@ -318,10 +319,35 @@ class _Region(Protocol):
         ...
 
 
-class _Rim:
-    """What of the view no polygon covers: a narrow rim, and the girdle where it is seen from the side."""
+class Outlined(Protocol):
+    """What is known of a view's outlines (`VirtualFacets`)."""
 
-    def __init__(self, convex: BeamStone, facets: VirtualFacets) -> None:
+    @property
+    def covered(self) -> np.ndarray: ...
+    @property
+    def covered_ends(self) -> np.ndarray: ...
+    @property
+    def wedge(self) -> np.ndarray: ...
+    @property
+    def stone(self) -> Stone: ...
+    @property
+    def view(self) -> View: ...
+    @property
+    def model(self) -> Model: ...
+
+
+class Rim:
+    """What of the view no polygon covers: a narrow rim, and the girdle where it is seen from the side.
+
+    Parameters
+    ----------
+    convex : BeamStone
+        The stone.
+    facets : VirtualFacets or ModeFacets
+        Its polygons.
+    """
+
+    def __init__(self, convex: BeamStone, facets: Outlined) -> None:
         self._convex, self._facets = convex, facets
         self._reach = facets.stone.reach if facets.view.tilt_deg else 1.0
         # Lines that lie along no edge of a symmetric stone, and cross the girdle where it is seen from the
@@ -342,12 +368,8 @@ class _Rim:
 
     def rays(self, unit: np.ndarray, random: np.ndarray) -> tuple[Rays, np.ndarray, np.ndarray]:
         """Spread rays over it: one into each gap of a line for each point of the unit square."""
-        facets, across = self._facets, self._low + (self._high - self._low) * unit[:, 0]
-        places, lengths, lines = rim_points(
-            facets.covered, facets.covered_ends, facets.wedge, self._reach, self._azimuth, across, unit[:, 1]
-        )
-        areas = lengths * (self._high - self._low)
-        self._told.append(float(np.bincount(lines, areas, 1).max()))
+        facets = self._facets
+        places, areas, lines = self.places(unit)
         if len(random):  # the gaps of a line are alike but for their number
             nth = np.arange(len(lines)) - np.searchsorted(lines, lines)
             random = (random[lines] + nth.astype(np.uint64) * _ODD) | np.uint64(1)
@@ -356,3 +378,16 @@ class _Rim:
             places, facets.view.basis(), self._convex.solid, self._convex.facet, facets.model.index, rays
         )  # fmt: skip
         return rays, areas, lines
+
+    def places(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return places (m, 2), one in each gap of a line for each point of the unit square (n, 2).
+
+        With the area that each stands for, were there but one line (m,), and its line (m,).
+        """
+        facets, across = self._facets, self._low + (self._high - self._low) * unit[:, 0]
+        places, lengths, lines = rim_points(
+            facets.covered, facets.covered_ends, facets.wedge, self._reach, self._azimuth, across, unit[:, 1]
+        )
+        areas = lengths * (self._high - self._low)
+        self._told.append(float(np.bincount(lines, areas, 1).max()))
+        return places, areas, lines

@@ -379,20 +379,23 @@ def follow_polygons(solid: Any, rules: Any, seen: float, limits: Any, work: Any)
 # ---- Both ----------------------------------------------------------------------------------------------
 
 
-def seen_outlines(solid: Solid, basis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def seen_outlines(
+    solid: Solid, basis: np.ndarray, wedge: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
     """Return the outlines of a stone's facets in a view.
 
     Parameters
     ----------
-    solid, basis
-        As for `trace_polygons`.
+    solid, basis, wedge
+        As for `trace_polygons`; by default all of the view.
 
     Returns
     -------
     outlines, outline_ends
         As in `Traced`.
     """
-    work = _start(solid, basis, np.empty((0, 3)), 2.0)  # the index does not matter
+    # The index does not matter
+    work = _start(solid, basis, np.empty((0, 3)) if wedge is None else wedge, 2.0)
     return _outlines(work, len(solid.planes))
 
 

@@ -6,8 +6,11 @@ import time
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Any
 
+import typer
+
 from gemrender.cli.groups import command
 from gemrender.cli.options import (
+    MODEL,
     VIEW,
     EngineOptions,
     MaterialOptions,
@@ -78,6 +81,13 @@ def score(
             rich_help_panel=VIEW,
         ),
     ] = EYE_DISTANCE,
+    birefringence: Annotated[
+        bool,
+        typer.Option(
+            help="Whether birefringent stones split light (exact engine), or have their ordinary index.",
+            rich_help_panel=MODEL,
+        ),
+    ] = False,
     out: Annotated[
         str | None,
         output_option("Where to write each stone's maps, and those of the measures, as EXR and PNG."),
@@ -89,6 +99,11 @@ def score(
 
     form = table.chosen
     options, measures = trace_options(engine, model, view), measure_options(measured)
+    if birefringence:
+        for key, is_given in (("--observer", observer == "stereo"), ("--out", out is not None)):
+            if is_given:
+                raise InputError(f"is not for scores with {key} yet", key="--birefringence", value=True)
+        measures = {**measures, "birefringence": True}
     loaded = load(given.stones, options, given.settings, of.material)
     prepare_engine(options, loaded.samples, out)
     started = time.monotonic()

@@ -77,10 +77,16 @@ def path_intensity(cos_entry: np.ndarray, cos_exit: np.ndarray, model: Model) ->
 def primary_intensity(paths: Paths, model: Model, rear: np.ndarray) -> np.ndarray:
     """Return the intensity of each principal path, (n,), 0 to 1.
 
-    It is 0 for rear light (n,) bool, without an exit, and of light that has been reflected in part.
+    It is 0 for rear light (n,) bool, without an exit, and of light that has been reflected in part. Of a
+    birefringent stone T is what enters, and what of its mode leaves, and S S the ratio of cross-sections.
     """
     lit = np.flatnonzero((paths.status == _EXITED) & ~rear & (paths.partial_reflections == 0))
     out = np.zeros(len(paths), dtype=paths.cos_exit.dtype)
+    if paths.entering is not None and paths.leaving is not None and paths.section is not None:
+        out[lit] = paths.entering[lit] * paths.leaving[lit]
+        if model.intensity == "primary":
+            out[lit] *= paths.section[lit]
+        return out
     out[lit] = path_intensity(paths.cos_entry[lit], paths.cos_exit[lit], model)
     return out
 

@@ -125,13 +125,17 @@ class Light:
     @cached_property
     def share(self) -> np.ndarray:
         """(n,) share of the light at the eye that comes along the path; 0 for what does not leave."""
-        leaving = transmittance(np.where(self.is_exit, self.paths.cos_exit, 1.0), self.model.index)
+        leaving = self.paths.leaving
+        if leaving is None:
+            leaving = transmittance(np.where(self.is_exit, self.paths.cos_exit, 1.0), self.model.index)
         return np.asarray(np.where(self.is_exit, self.arriving * leaving, 0.0))
 
     @cached_property
     def surface_reflectance(self) -> np.ndarray:
         """(n,) reflectance of the facet that each path enters by; 0 where none does."""
         met = self.paths.status != RayStatus.MISSED
+        if self.paths.entering is not None:
+            return np.asarray(np.where(met, 1.0 - self.paths.entering, 0.0))
         cos = np.where(met, self.paths.cos_entry, 1.0)
         return np.asarray(np.where(met, reflectance(cos, self.model.index), 0.0))
 
@@ -223,6 +227,8 @@ class Measure:
         paths, whose imaginary parts are derivatives, they yield complex numbers, and decide by real parts.
     needs_normals : bool
         Whether it needs the normals of paths (`Paths.entry_normal`, `Paths.unfolded_exit_normal`).
+    needs_images : bool
+        Whether it needs the angle between the two images of a birefringent stone (`Paths.image_angle`).
     """
 
     name: str = ""
@@ -238,6 +244,7 @@ class Measure:
     views: str = "one"
     smooth_keys: tuple[str, ...] = ()
     needs_normals: bool = False
+    needs_images: bool = False
 
     def contributions(self, light: Light) -> np.ndarray:
         """Return what each path adds, per unit of its area.

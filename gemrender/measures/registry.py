@@ -8,6 +8,7 @@ from functools import cache
 from gemrender.errors import InputError
 from gemrender.measures.aset import Aset
 from gemrender.measures.dispersion import Dispersion
+from gemrender.measures.doubling import Doubling
 from gemrender.measures.extinction import Extinction
 from gemrender.measures.facets import VirtualFacetSizes
 from gemrender.measures.gemray import GemRay
@@ -34,6 +35,7 @@ def measures() -> tuple[Measure, ...]:
         WlrLike(),
         Dispersion(),
         VirtualFacetSizes(),
+        Doubling(),
     )
 
 

@@ -46,6 +46,8 @@ class Tally:
         Whether a measure needs all light.
     needs_normals : bool
         Whether a measure needs the normals of paths.
+    needs_images : bool
+        Whether a measure needs the angle between the two images of paths.
     is_axial : bool
         Whether a part of a symmetric stone's view is enough for all of them.
     """
@@ -62,6 +64,7 @@ class Tally:
         self.head_deg, self.zenith = head_deg, zenith
         self.follows_all = any(measure.follow == "all" for measure in measures)
         self.needs_normals = any(measure.needs_normals for measure in measures)
+        self.needs_images = any(measure.needs_images for measure in measures)
         self.is_axial = zenith is None and all(measure.is_axial for measure in measures)
         numbers = [len(measure.channels or measure.keys) for measure in measures]
         ends = REST + 1 + np.cumsum(numbers, dtype=np.int64)

@@ -27,7 +27,7 @@ from gemrender.scoring import score_observation
 
 NAMES = [
     "inoue", "iso", "cos", "sc2", "gemray-iso", "gemray-cos", "gemray-sc2", "aset", "window", "extinction",
-    "wlr-like", "dispersion", "facets",
+    "wlr-like", "dispersion", "facets", "doubling",
 ]  # fmt: skip
 #: Sums of per cent of order 100, float64.
 ROUNDING = 1e-9
