@@ -9,7 +9,7 @@ One sheet each, of pictures side by side; denoised where mitsuba-oidn is install
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -65,7 +65,7 @@ def shots() -> dict[str, list[dict[str, Any]]]:
     }
 
 
-def sheet(of: list[Mapping[str, Any]], options: argparse.Namespace) -> Image.Image:
+def sheet(of: Sequence[Mapping[str, Any]], options: argparse.Namespace) -> Image.Image:
     """Render pictures and put them side by side."""
     out = Image.new("RGB", (options.size * len(of), options.size))
     for k, shot in enumerate(of):

@@ -290,7 +290,9 @@ REFUSED = {
     "white": (f'white = "d66"\n{SKY}', f"white = 'd66': {_SPECTRUM}"),
     "white that is no number": (f"white = true\n{SKY}", f"white = True: {_SPECTRUM}"),
     # ---- Polarising filters ----
-    "filter": (f"{SKY}[filters]\nanalyser = 400", "filters.analyser = 400: must be a number from -360 to 360"),
+    "filter": (
+        f"{SKY}[filters]\nanalyser = 400", "filters.analyser = 400: must be a number from -360 to 360",
+    ),
     "filter's key": (
         f"{SKY}[filters]\nanalyzer = 4",
         "filters.analyzer = 4: unknown key; must be one of analyser, polariser; did you mean analyser?",
