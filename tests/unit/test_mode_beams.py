@@ -283,3 +283,11 @@ def test_the_command_splits_light_where_it_is_told_to(tmp_path):
     result = run_gemrender("score", str(path), "--json", "--birefringence", "--measures", "doubling")
     assert result.returncode == 0
     assert json.loads(result.stdout)[0]["measures"]["doubling"]["value"] > 0.1
+
+
+def test_a_score_says_that_light_is_split():
+    stone = replace(load_stone("inoue-3"), material="moissanite")
+    assert score(stone, birefringence=True, bound=0.5).notes[0] == (
+        "light is split: indices 2.64743, 2.68897"
+    )
+    assert not score(stone, bound=0.5).notes

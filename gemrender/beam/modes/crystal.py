@@ -8,7 +8,7 @@ import numpy as np
 
 from gemrender.errors import InputError
 
-__all__ = ["Biaxial", "Uniaxial", "optical_crystal"]
+__all__ = ["Biaxial", "Uniaxial", "indices_text", "optical_crystal"]
 
 #: Principal indices closer than this are one [relative]: rounding of a dispersion formula.
 _ONE_INDEX = 1e-12
@@ -75,3 +75,13 @@ def optical_crystal(principal: Any, axes: Any) -> Uniaxial | Biaxial:
         np.einsum("ai,a,aj->ij", frame, weights, frame) for weights in (indices**2, indices**-2.0)
     )
     return Biaxial(np.ascontiguousarray(tensor), np.ascontiguousarray(inverse))
+
+
+def indices_text(crystal: Uniaxial | Biaxial) -> str:
+    """Return a crystal's principal indices in words: ordinary and extraordinary, or in rising order."""
+    squares = (
+        [crystal.ordinary, crystal.extraordinary]
+        if isinstance(crystal, Uniaxial)
+        else np.linalg.eigvalsh(crystal.permittivity)
+    )
+    return ", ".join(f"{np.sqrt(square):.5f}" for square in squares)

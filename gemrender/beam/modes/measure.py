@@ -28,7 +28,7 @@ import numpy as np
 
 from gemrender.beam.budget import Budget
 from gemrender.beam.measure import Found, check_bound
-from gemrender.beam.modes.crystal import Biaxial, Uniaxial
+from gemrender.beam.modes.crystal import Biaxial, Uniaxial, indices_text, optical_crystal
 from gemrender.beam.modes.facets import LEAST, ModeFacets, trace_mode_facets
 from gemrender.beam.modes.more_rays import LeftToRays
 from gemrender.beam.near_girdle import more_rays
@@ -118,7 +118,9 @@ def measure_modes(
     scores, counted = found.scores, facets.is_counted & (facets.paths.status == RayStatus.EXITED)
     reached = found.scatter + found.unsolved
     why = budget.time_is_up if budget is not None and left.stopped else "no more rays are followed"
-    notes = () if reached <= wanted else (f"bound {bound_text(reached)} instead of {wanted:g}: {why}",)
+    notes = [f"light is split: indices {indices_text(crystal)}"]
+    if reached > wanted:
+        notes.append(f"bound {bound_text(reached)} instead of {wanted:g}: {why}")
     measured = Measurement(
         average=float(scores[INTENSITY]),
         rear=float(scores[REAR]),
@@ -131,7 +133,7 @@ def measure_modes(
         sizes=np.repeat((100.0 / found.area / facets.parts * facets.paths.area)[counted], facets.parts),
         girdle=100.0 * left.light,
         seconds=time.perf_counter() - start,
-        notes=notes,
+        notes=tuple(notes),
         measures=found.measures(facets, facets.images()),
     )
     return measured, facets
@@ -158,6 +160,4 @@ def score_modes(
     InputError
         As for `measure_modes` and `optical_crystal`.
     """
-    from gemrender.beam.modes.crystal import optical_crystal
-
     return measure_modes(stone, optical_crystal(principal, np.eye(3) if axes is None else axes), **options)
