@@ -2,14 +2,14 @@
 
     python scripts/fuzz_setups.py [--setups 500] [--seed 0] [--size 32] [--samples 2] [--show]
 
-Drawn are one to three bundled stones with their materials and sizes, their settings, metals and girdles, the
-things beside them, cameras, lights, skies and grounds, what is exposed for, curves and backgrounds, the odd
-values more often. Prints how many were rendered, how many refused (`InputError`: a light among the stones, a
-camera under the ground), and of the rest how many had samples that were negative or not finite, how many a
-picture, noise or exposure that is not finite or negative, how many were refused without a reason in one line
-that names a key, and how many ended in a traceback or a warning that is not gemrender's; the longest time;
-and, with `--show`, the reasons of refusals, and each set-up that was not as it should be. Exits with 1 if
-there was any.
+Drawn are one to three bundled stones with their materials, sizes and how their crystals lie, their settings,
+metals and girdles, the things beside them, cameras, filters, lights, skies and grounds, what is exposed for,
+curves and backgrounds, the odd values more often. Prints how many were rendered, how many refused
+(`InputError`: a light among the stones, a camera under the ground), and of the rest how many had samples
+that were negative or not finite, how many a picture, noise or exposure that is not finite or negative, how
+many were refused without a reason in one line that names a key, and how many ended in a traceback or a
+warning that is not gemrender's; the longest time; and, with `--show`, the reasons of refusals, and each
+set-up that was not as it should be. Exits with 1 if there was any.
 """
 
 from __future__ import annotations
@@ -47,6 +47,7 @@ from gemrender.scene.setup import (
     SKIES,
     Box,
     Camera,
+    Filters,
     Ground,
     Light,
     Setting,
@@ -142,7 +143,9 @@ def random_stones(rng: np.random.Generator) -> dict[str, Any]:
         material = str(rng.choice(material_names())) if rng.uniform() < 0.8 else index
         return replace(stone, material=material, size_mm=size)
 
+    lies = rng.spawn(1)[0]  # apart: set-ups of a number stay what they were
     return {
+        "c_axis": None if lies.uniform() < 0.5 else lies.normal(size=3).tolist(),
         "stone": [one() for _ in range(rng.choice([1, 1, 1, 2, 3]))],
         "turn": float(rng.choice([0.0, rng.uniform(-360, 360)])),
         "dispersion": bool(rng.uniform() < 0.8),
@@ -157,6 +160,7 @@ def random_setup(rng: np.random.Generator, folder: Path) -> Setup:
         ground = str(rng.choice(GROUNDS))
         in_cup = ground == "cup"
         pose = "table-up" if in_cup else str(rng.choice(POSES))
+        turned = rng.spawn(1)[0]
         held = not in_cup and pose != "table-down" and rng.uniform() < 0.5
         try:
             return Setup(
@@ -182,9 +186,15 @@ def random_setup(rng: np.random.Generator, folder: Path) -> Setup:
                 white=_spectrum(rng),
                 expose_for=str(rng.choice(EXPOSURES)),
                 curve=str(rng.choice(tuple(CURVES))),
+                filters=Filters(analyser=_filter(turned), polariser=_filter(turned)),
             )
         except InputError:  # no light, or a lens that focuses behind itself
             continue
+
+
+def _filter(rng: np.random.Generator) -> float | None:
+    """Return the angle of a polarising filter, or none."""
+    return None if rng.uniform() < 0.7 else float(rng.choice([0.0, 90.0, rng.uniform(-360, 360)]))
 
 
 def _thing(rng: np.random.Generator, folder: Path) -> Thing:
