@@ -43,7 +43,7 @@ def test_it_takes_what_the_command_takes():
 
     command = get_command(app).commands["render"]
     of_others = {"out", "frames", "fps", "move", "to", "help"}
-    named = {max(option.opts, key=len).removeprefix("--") for option in command.params}
+    named = {max(option.opts, key=len).removeprefix("--").replace("-", "_") for option in command.params}
     options = named - of_others - {"stones"} | {"stone"}
     taken = set(inspect.signature(gemrender.render).parameters)
     assert taken == options | {"on_pass", "progress"}

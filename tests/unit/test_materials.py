@@ -256,7 +256,8 @@ def test_a_name_wins_over_a_file_called_like_it(tmp_path, monkeypatch):
     assert load_material("ruby").name == "ruby"
 
 
-def test_materials_are_listed(capsys):
+def test_materials_are_listed(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "200")  # no name is broken in two
     assert run(["materials"]) == 0
     told = capsys.readouterr().out
     assert all(name in told for name in set(CRYSTAL_OF) - set(GRADES))
