@@ -16,12 +16,12 @@ from gemrender.optics.abbe import (
     FRAUNHOFER_G_NM,
     SODIUM_NM,
     abbe_number,
-    other_form,
-    refuse_other_form,
 )
 from gemrender.optics.cautions import beyond, cautions
-from gemrender.optics.crystal import Crystal
+from gemrender.optics.crystals.crystal import Crystal
 from gemrender.optics.dispersion import INDEX_RANGE, VISIBLE_NM, Dispersion, Formula, index_of
+from gemrender.optics.index_checks import check_index, visible_and
+from gemrender.optics.principal import isotropic_absorption, ordinary, section_keys
 from gemrender.optics.tabulated import WAVELENGTHS_NM, Table, finite, numbers_of
 
 __all__ = [
@@ -50,8 +50,6 @@ DIAMETER_RANGE_MM = (0.1, 1000.0)
 CARAT_RANGE = (1e-5, 1e6)
 #: Mass of a carat [g].
 _CARAT_G = 0.2
-#: Wavelengths at which an index is checked: between its poles a formula is smooth.
-_N_CHECKED = 2000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,7 +74,7 @@ class Material:
         Density [g/cm^3]; None is unknown.
     absorption : Table or None
         Absorption coefficient, to the base e [1/mm]; None is a colourless material. Beyond the ends of the
-        table, their values hold. Of a pleochroic material what its crystal's `isotropic_absorption` says.
+        table, their values hold. Of a pleochroic material what `principal.isotropic_absorption` makes of it.
     crystal : Crystal or None
         Of a birefringent material what each principal direction does; None is an isotropic one.
 
@@ -116,18 +114,15 @@ class Material:
             As for the class.
         """
         if crystal.absorptions:
-            absorption = crystal.isotropic_absorption()
-        return cls(dispersion=crystal.ordinary, absorption=absorption, crystal=crystal, **facts)
+            absorption = isotropic_absorption(crystal)
+        return cls(dispersion=ordinary(crystal), absorption=absorption, crystal=crystal, **facts)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "range_nm", checked_range(self.range_nm))
         object.__setattr__(self, "density", checked_density(self.density))
         with Mistakes() as mistakes:
             for key, dispersion in self.dispersions:
-                before = len(mistakes.errors)
-                mistakes.of(self._check_index, key, dispersion)
-                if len(mistakes.errors) == before:
-                    mistakes.of(refuse_other_form, dispersion, key)
+                mistakes.of(check_index, dispersion, self.range_nm, key)
             for key, absorption in self.absorptions:
                 mistakes.of(_check_absorption, key, absorption)
         self._check_crystal()
@@ -137,67 +132,23 @@ class Material:
         """The index of each principal direction, by the section of a material file that it is in."""
         if self.crystal is None:
             return [("index", self.dispersion)]
-        return list(zip(self.crystal.keys("index"), self.crystal.dispersions, strict=True))
+        return list(zip(section_keys(self.crystal, "index"), self.crystal.dispersions, strict=True))
 
     @property
     def absorptions(self) -> list[tuple[str, Table | None]]:
         """The absorption of each principal direction, or of all, by the section of a file that it is in."""
         if self.crystal is None or not self.crystal.absorptions:
             return [("absorption", self.absorption)]
-        return list(zip(self.crystal.keys("absorption"), self.crystal.absorptions, strict=True))
+        return list(zip(section_keys(self.crystal, "absorption"), self.crystal.absorptions, strict=True))
 
     def _check_crystal(self) -> None:
         crystal = self.crystal
         if crystal is None:
             return
-        if self.dispersion != crystal.ordinary:
+        if self.dispersion != ordinary(crystal):
             raise InputError("must be the crystal's ordinary index, or its middle one", key="dispersion")
-        if crystal.absorptions and self.absorption != crystal.isotropic_absorption():
-            raise InputError("must be what the crystal's isotropic_absorption says", key="absorption")
-        if crystal.is_biaxial:
-            alpha, beta, gamma = crystal.index(SODIUM_NM).tolist()
-            if not alpha <= beta <= gamma:
-                raise InputError(
-                    f"must be in order at {SODIUM_NM:g} nm: alpha, {alpha:g}, at most beta, {beta:g}, at "
-                    f"most gamma, {gamma:g}",
-                    key="[index_alpha], [index_beta], [index_gamma]",
-                )
-
-    def _check_index(self, key: str, dispersion: Dispersion) -> None:
-        first, last = self.wavelengths_nm
-        poles = dispersion.poles_nm() if isinstance(dispersion, Formula) else ()
-        tried = np.concatenate([np.linspace(first, last, _N_CHECKED), VISIBLE_NM, self.range_nm, poles])
-        if isinstance(dispersion, Table):
-            tried = np.concatenate([tried, dispersion.wavelength_nm])
-        tried = np.sort(tried[(tried >= first) & (tried <= last)])
-        with np.errstate(all="ignore"):
-            index = index_of(dispersion, tried)
-        low, high = INDEX_RANGE
-        wrong = ~((index >= low) & (index <= high))  # true for NaN too
-        if wrong.any():
-            at = int(np.argmax(wrong))
-            raise InputError(
-                f"must be from {low:g} to {high:g} at every wavelength from {first:g} to {last:g} nm"
-                + self._hint(dispersion, tried[at]),
-                key=f"{key} at {tried[at]:.6g} nm",
-                value=float(index[at]),
-            )
-
-    def _hint(self, dispersion: Dispersion, wavelength_nm: float) -> str:
-        """Say what may be wrong where the index is out of range."""
-        if isinstance(dispersion, Table):
-            low, high = dispersion.wavelength_nm[0], dispersion.wavelength_nm[-1]
-            inside = low <= wavelength_nm <= high
-            return (
-                ""
-                if inside
-                else f"; the table of {low:g} to {high:g} nm is continued there as its end rows run"
-            )
-        if other := other_form(dispersion):
-            return f"; {other[0]}"
-        if not INDEX_RANGE[0] <= dispersion.index(SODIUM_NM) <= INDEX_RANGE[1]:
-            return "; coefficients are for wavelengths in micrometres"
-        return "" if VISIBLE_NM[0] <= wavelength_nm <= VISIBLE_NM[1] else "; range_nm may be narrower"
+        if crystal.absorptions and self.absorption != isotropic_absorption(crystal):
+            raise InputError("must be what the crystal's directions make", key="absorption")
 
     @classmethod
     def constant(cls, index: float) -> Material:
@@ -219,7 +170,7 @@ class Material:
     @property
     def wavelengths_nm(self) -> tuple[float, float]:
         """The lowest and the highest wavelength that `index` takes [nm]: the range and visible light."""
-        return min(self.range_nm[0], VISIBLE_NM[0]), max(self.range_nm[1], VISIBLE_NM[1])
+        return visible_and(self.range_nm)
 
     def index(self, wavelength_nm: Any) -> np.ndarray:
         """Return the refractive index relative to air.

@@ -12,10 +12,12 @@ from typing import Any
 
 from gemrender.errors import GemrenderWarning, InputError
 from gemrender.mistakes import Mistakes
-from gemrender.optics.crystal import BIAXIAL, Crystal
+from gemrender.optics.crystals.crystal import Crystal
 from gemrender.optics.dispersion import Dispersion, Formula
+from gemrender.optics.index_checks import check_index
 from gemrender.optics.material import Material, checked_density, checked_range
 from gemrender.optics.materials import find_material, material_names, normal_name
+from gemrender.optics.principal import ENDS
 from gemrender.optics.tabulated import Table
 from gemrender.reading import (
     located_at,
@@ -40,7 +42,7 @@ LONGEST_NAME, LONGEST_TEXT = 100, 1000
 _SAID: set[str] = set()
 
 #: What sections of index and absorption end in: an isotropic or ordinary one in nothing.
-_ENDS = ("", "_e", *(f"_{name}" for name in BIAXIAL))
+_ENDS = (*ENDS[2], *ENDS[3])
 _TOP = (
     "name", "density", "source", "note",
     *(f"index{end}" for end in _ENDS), *(f"absorption{end}" for end in _ENDS),
@@ -161,7 +163,7 @@ def _made(top: dict[str, Any], path: Path) -> Material:
 def _sections(top: dict[str, Any], kind: str) -> tuple[str, ...]:
     """Return the sections of index or absorption that a file has, if they go together: one, two or three."""
     given = [f"{kind}{end}" for end in _ENDS if f"{kind}{end}" in top]
-    uniaxial, biaxial = (kind, f"{kind}_e"), tuple(f"{kind}_{name}" for name in BIAXIAL)
+    uniaxial, biaxial = (tuple(f"{kind}{end}" for end in ENDS[k]) for k in (2, 3))
     if given in ([], [kind]) or tuple(given) in (uniaxial, biaxial):
         return tuple(given)
     wanted = biaxial if any(key in given for key in biaxial) else uniaxial
@@ -185,7 +187,11 @@ def _indices(
         return None
     known = [one for one in made if one is not None]
     low, high = max(range_nm[0] for _, range_nm in known), min(range_nm[1] for _, range_nm in known)
-    return tuple(dispersion for dispersion, _ in known), checked_range((low, high))
+    range_nm = checked_range((low, high))
+    if len(keys) > 1:  # before a crystal is made of them, whose errors have no keys of files
+        for key, (dispersion, _) in zip(keys, known, strict=True):
+            mistakes.of(check_index, dispersion, range_nm, key)
+    return tuple(dispersion for dispersion, _ in known), range_nm
 
 
 def _index(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Iterator
 
-from gemrender.optics.dispersion import FORMULAE, Dispersion, Formula
+from gemrender.optics.dispersion import FORMULAE, VISIBLE_NM, Dispersion, Formula
 from gemrender.optics.material import Material
 from gemrender.optics.material_files import load_material
 from gemrender.optics.tabulated import Table
@@ -55,7 +55,7 @@ def _lines(material: Material) -> Iterator[str]:
         yield from _dispersion(dispersion, material.range_nm, with_formulae=not k)
     for key, absorption in material.absorptions:
         yield ""
-        yield from _absorption(key, absorption)
+        yield from _absorption(key, absorption, alone=len(material.absorptions) == 1)
 
 
 def _dispersion(
@@ -76,7 +76,9 @@ def _dispersion(
         yield from _list("n", dispersion.values)
 
 
-def _absorption(key: str, absorption: Table | None) -> Iterator[str]:
+def _absorption(key: str, absorption: Table | None, *, alone: bool) -> Iterator[str]:
+    if absorption is None and not alone:  # one direction that has none where others have some
+        absorption = Table(wavelength_nm=VISIBLE_NM, values=(0.0, 0.0), key="per_mm")
     if absorption is None:
         yield f"# [{key}]  # coefficient to the base e [1/mm]; without it the material is colourless"
         yield "# wavelength_nm = [380, 500, 760]"

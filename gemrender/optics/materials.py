@@ -8,11 +8,12 @@ from functools import cache, partial
 
 from gemrender.errors import InputError
 from gemrender.optics import absorption, pleochroism
-from gemrender.optics.crystal import Crystal
+from gemrender.optics.crystals.crystal import Crystal
 from gemrender.optics.dispersion import Formula
 from gemrender.optics.fresnel import GUBELIN_INDEX
 from gemrender.optics.material import INDEX_RANGE, SODIUM_NM, Material, constant_index
 from gemrender.optics.minerals import birefringent_crystals
+from gemrender.optics.principal import isotropic_absorption
 from gemrender.optics.tabulated import Table
 from gemrender.reading import did_you_mean
 
@@ -203,7 +204,7 @@ def _material(name: str) -> Material:
     if isinstance(made, tuple):
         assert crystal.crystal is not None
         split = Crystal(dispersions=crystal.crystal.dispersions, absorptions=made)
-        crystal = replace(crystal, crystal=split, absorption=split.isotropic_absorption())
+        crystal = replace(crystal, crystal=split, absorption=isotropic_absorption(split))
     else:
         crystal = replace(crystal, absorption=made)
     return replace(

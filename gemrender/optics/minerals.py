@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from gemrender.optics.crystal import Crystal
+from gemrender.optics.crystals.crystal import Crystal
 from gemrender.optics.dispersion import SODIUM_NM, Dispersion, Formula
 from gemrender.optics.material import Material
 

@@ -9,6 +9,7 @@ import numpy as np
 from gemrender.errors import InputError
 from gemrender.optics import Material, load_material
 from gemrender.optics.material import VISIBLE_NM
+from gemrender.optics.principal import along_axes
 from gemrender.plugins.properties import number, truth
 from gemrender.plugins.spectra import FIRST_NM, LAST_NM
 
@@ -170,9 +171,9 @@ class GemDielectric(mi.BSDF):
         self.absorption_tables = np.tile(self.absorption_table, (3, 1))
         if crystal is not None:
             lines = of_range if self.disperses else np.full_like(of_range, SODIUM_NM)
-            self.principal_tables = (crystal.along_axes(lines) / self.ext_ior).astype(np.float32)
+            self.principal_tables = (along_axes(crystal, lines) / self.ext_ior).astype(np.float32)
             if crystal.absorptions:
-                absorption = crystal.absorption_along_axes(of_range) * self.unit_mm
+                absorption = crystal.principal_absorption_per_mm(of_range).T * self.unit_mm
                 self.absorption_tables = absorption.astype(np.float32)
                 self.absorbs = self.absorbs or bool(absorption.any())
         #: Whether directions differ, in index or absorption.
