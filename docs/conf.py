@@ -28,6 +28,7 @@ extensions = [
 exclude_patterns = ["_ext", "_static"]
 nitpicky = False
 default_role = "py:obj"
+smartquotes = False  # a command in the text stays one: two hyphens, straight quotes
 
 myst_enable_extensions = ["colon_fence", "attrs_block"]
 myst_heading_anchors = 4

@@ -27,7 +27,7 @@ class Tabled(Shown):
     __slots__ = ()
 
     def to_pandas(self) -> Any:
-        """Return a pandas DataFrame, with the columns and the rows of the command's `--csv`.
+        """Return a pandas DataFrame, with the columns and the rows of the command's `--format csv`.
 
         Several make one table: `pandas.concat([a.to_pandas(), b.to_pandas()])`.
 

@@ -76,12 +76,28 @@ def test_a_worker_killed_in_the_middle_has_its_chunk_done_again(plan, tmp_path, 
     assert contents(tmp_path / "a.zarr") == expected
 
 
-def test_after_the_scheduler_has_ended_another_one_goes_on(plan, tmp_path, expected, monkeypatch):
+def test_an_adaptive_cluster_starts_workers_for_it(plan, tmp_path, expected):
+    """It has none until there is work."""
+    with cluster(n_workers=0, processes=False) as adaptive:
+        adaptive.adapt(minimum=0, maximum=1, interval="50ms")
+        made = make_atlas(plan, str(tmp_path / "a.zarr"), dask=adaptive.scheduler_address)
+    assert made.done == plan.stones
+    assert contents(tmp_path / "a.zarr") == expected
+
+
+def test_a_scheduler_without_workers_is_told(plan, tmp_path, monkeypatch):
+    monkeypatch.setattr("gemrender.sweep.atlas.cluster._WORKERS_S", 0.2)
+    with cluster(n_workers=0, processes=False) as empty, pytest.raises(InputError, match="has no worker"):
+        make_atlas(plan, str(tmp_path / "a.zarr"), dask=empty.scheduler_address)
+
+
+def test_after_the_scheduler_has_ended_another_one_goes_on(plan, tmp_path, expected, monkeypatch, caplog):
     monkeypatch.setattr("gemrender.sweep.atlas.cluster._ANSWER_S", 1)
     where = str(tmp_path / "a.zarr")
     one = cluster(n_workers=1, processes=False)
     with pytest.raises(BackendError, match="was lost; what is done is kept"):
         make_atlas(plan, where, dask=one.scheduler_address, progress=after_first_chunk(one.close))
+    assert not [of for of in caplog.records if of.name == "distributed.client"]
     left = len(AtlasStore(plan, where).to_do())
     assert 0 < left < plan.chunks
     with cluster(n_workers=1, processes=False) as other:

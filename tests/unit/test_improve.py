@@ -143,6 +143,19 @@ def test_a_seed_is_one_answer_and_a_search_goes_on_from_its_journal(tmp_path):
         improve(STONE, "iso", ranges, journal=journal, **options)
 
 
+def test_its_progress_grows_to_the_whole():
+    """Through search, finish and details."""
+    told = []
+    improve(
+        STONE, "inoue", SMALL, rounds=2, answers=2, reach=0.1, bound=1.0,
+        progress=lambda share, best: told.append((share, best)),
+    )  # fmt: skip
+    shares = [share for share, _ in told]
+    assert shares == sorted(set(shares))
+    assert shares[-1] == pytest.approx(1.0)
+    assert 0.0 < shares[0] < 0.5  # the first generation of three, beside other work
+
+
 def test_what_is_kept_is_kept():
     ranges = ranges_of(STONE, ["crown_angle=30:36:1", "table=54:62:1"])
     found = improve(STONE, "inoue", ranges, keep={"crown_height": (13.0, 14.0)}, rounds=5, details=False)

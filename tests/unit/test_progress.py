@@ -101,10 +101,44 @@ def test_time_goes_on_between_shares(clock):
     left.update(0.0)
     clock.now += 10
     left.update(0.1)
+    clock.now += 4
+    assert left.seconds() == pytest.approx(86)
+
+
+def test_a_step_that_takes_longer_makes_the_whole_longer(clock):
+    """Of ten steps the first took 10 s; the second, of 30 s and more, leaves eight of at least 20 s."""
+    left = TimeLeft(clock)
+    left.update(0.0)
+    clock.now += 10
+    left.update(0.1)
     clock.now += 30
-    assert left.seconds() == pytest.approx(60)
-    clock.now += 100
-    assert left.seconds() == 0
+    assert left.seconds() == pytest.approx(160)
+
+
+def test_a_last_step_that_takes_longer_is_overdue(clock):
+    left = TimeLeft(clock)
+    for share in (0.0, 0.5):
+        left.update(share)
+        clock.now += 10
+    assert left.seconds() is None
+    assert left.is_overdue
+    left.update(1.0)
+    assert (left.seconds(), left.is_overdue) == (0, False)
+
+
+def test_slower_work_that_follows_fast_work_is_taken_at_its_own_pace(clock):
+    """70 % in 7 s, then 30 % in 60 s: halfway through the latter half a minute is left."""
+    fast = [(t, t / 10) for t in range(8)]
+    slow = [(7 + t, 0.7 + t / 200) for t in range(1, 31)]
+    assert told(clock, fast + slow) == pytest.approx(30, rel=1e-6)
+
+
+def test_of_many_shares_the_pace_is_the_same(clock):
+    left = TimeLeft(clock)
+    for k in range(100_001):
+        clock.now = 1000.0 + k / 100
+        left.update(k / 200_000)
+    assert left.seconds() == pytest.approx(1000)
 
 
 # ---- When it is said -------------------------------------------------------------------------------------
@@ -131,6 +165,23 @@ def test_a_step_longer_than_half_a_minute_does_not_keep_it_silent(lines):
     assert lines(31) == ["30 s so far, how long it takes is not known yet"]
     assert lines(100, 0.25) == ["about 5 min left (25 % done)"]
     assert lines(131) == ["about 4 min 30 s left (25 % done)"]
+
+
+def test_work_that_takes_longer_than_foretold_is_told_so(lines):
+    """Never "a few seconds left", again and again."""
+    assert lines(0, 0.0) == []
+    assert lines(60, 0.5) == ["about 1 min left (50 % done)"]
+    assert lines(110) == ["about 10 s left (50 % done)"]
+    assert lines(141) == ["2 min 20 s so far, longer than it seemed (50 % done)"]
+    assert lines(150, 0.75) == []
+    assert lines(172, 0.8) == ["about 45 s left (80 % done)"]
+
+
+def test_what_starts_and_compiles_is_no_pace(lines):
+    """A second each of 100 steps, but the first takes three."""
+    assert lines(0, 0.0) == []
+    assert lines(3, 0.01) == []
+    assert lines(5.1, 0.03) == ["about 1 min 40 s left (3 % done)"]
 
 
 def test_it_says_what_is_being_done(lines):

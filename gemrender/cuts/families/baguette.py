@@ -43,7 +43,7 @@ class Parameters(Family):
         Heights of crown and pavilion [% of the width]; `crown_angle` and `pavilion_angle`, of the straight
         line from the girdle to the table or the keel, across the width [deg], stand for them.
     crown_bulge, pavilion_bulge : float
-        How far the steps stand out of that line, in height [% of the width]; see `profile`.
+        How far the steps stand out of that line, in height [% of the width].
     girdle_thickness : float
         Height of the girdle [% of the width].
     steps : {2, 3}

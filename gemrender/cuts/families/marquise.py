@@ -20,7 +20,7 @@ FAMILY = "marquise"
 class Parameters(ElongatedBrilliant):
     """A marquise brilliant.
 
-    Its parameters are those of `ElongatedBrilliant`, and two of wings and points. Length to width: 1.75 to
+    It has the parameters of ovals and pears, and two of wings and points. Length to width: 1.75 to
     2.25 is common (diamonds27.com, "Length to width ratio"), 1.90 to 2.10 preferred (Adamas Studio).
 
     Parameters

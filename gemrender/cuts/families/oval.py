@@ -20,7 +20,7 @@ FAMILY = "oval"
 class Parameters(ElongatedBrilliant):
     """An oval brilliant.
 
-    Its parameters are those of `ElongatedBrilliant`, and one of its outline. Length to width: 1.33 to 1.66 is
+    It has the parameters of marquises and pears, and one of its outline. Length to width: 1.33 to 1.66 is
     common (diamonds27.com, "Length to width ratio"), 1.37 to 1.55 recommended (Diamond Screener, "Oval Cut
     Diamond Guide").
 
@@ -29,8 +29,8 @@ class Parameters(ElongatedBrilliant):
     shoulder : float
         How much further out its shoulders are than those of an ellipse, half-way between the ends of width
         and length [% of the distance from the middle]; less than 0 where they slope. Fuller by default, for
-        the weight (`elongated`). GIA, "Girdle Outline": shoulders "should be gently and evenly rounded", and
-        squared ones make a stone weigh more.
+        the weight. GIA, "Girdle Outline": shoulders "should be gently and evenly rounded", and squared ones
+        make a stone weigh more.
 
     Raises
     ------

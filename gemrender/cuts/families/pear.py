@@ -22,7 +22,7 @@ FAMILY = "pear"
 class Parameters(ElongatedBrilliant):
     """A pear brilliant, its point at +y.
 
-    Its parameters are those of `ElongatedBrilliant`, and some of outline, point and culet. Length to width:
+    It has the parameters of ovals and marquises, and some of outline, point and culet. Length to width:
     1.50 to 1.75 is common (diamonds27.com, "Length to width ratio"), 1.50 to 1.65 preferred (Adamas Studio).
 
     Parameters

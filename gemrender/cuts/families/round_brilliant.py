@@ -55,7 +55,7 @@ _CONTACT = Alternative(
 class Parameters(Family):
     """A round brilliant.
 
-    Without a culet, painting and digging out it is the stone of the paper's proportions, `RoundBrilliant`.
+    Without a culet, painting and digging out it is the stone of the paper's proportions.
     The first mains stand at +x, and z is 0 at the lower edge of the girdle below the mains.
 
     Parameters

@@ -81,6 +81,7 @@ def in_dask(plan: AtlasPlan, chunks: Sequence[int], address: str) -> Generator[M
                 futures.add(future)
 
         hand_out()
+        _wait_for_worker(client, address)  # adaptive clusters start one once there is work
         for future in futures:
             found = future.result()
             chunk = running.pop(future.key)
@@ -114,6 +115,7 @@ def _client(address: str) -> Iterator[Client]:
     local = re.fullmatch(r"local(?::(\d+))?", address)
     with contextlib.ExitStack() as stack:
         stack.enter_context(dask.config.set(_SETTINGS))
+        stack.enter_context(_silent("distributed.client"))  # of a scheduler that is lost: a line tells it
         if local:
             number = None if local[1] is None else int(local[1])
             if number == 0:
@@ -129,11 +131,14 @@ def _client(address: str) -> Iterator[Client]:
             client = stack.enter_context(Client(address, timeout=_ANSWER_S, set_as_default=False))
         except (OSError, ValueError, TimeoutError) as error:
             raise InputError("no scheduler answers there", key="--dask", value=address) from error
-        try:
-            client.wait_for_workers(1, timeout=_WORKERS_S)
-        except TimeoutError as error:
-            raise InputError("the scheduler has no worker", key="--dask", value=address) from error
         yield client
+
+
+def _wait_for_worker(client: Client, address: str) -> None:
+    try:
+        client.wait_for_workers(1, timeout=_WORKERS_S)
+    except TimeoutError as error:
+        raise InputError("the scheduler has no worker", key="--dask", value=address) from error
 
 
 def _local(number: int | None) -> LocalCluster:
@@ -145,6 +150,18 @@ def _local(number: int | None) -> LocalCluster:
             n_workers=number, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0",
             silence_logs=logging.CRITICAL,
         )  # fmt: skip
+
+
+@contextlib.contextmanager
+def _silent(name: str) -> Iterator[None]:
+    """Let a log say nothing for a while."""
+    log = logging.getLogger(name)
+    before = log.level
+    log.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        log.setLevel(before)
 
 
 @contextlib.contextmanager

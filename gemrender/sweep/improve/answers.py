@@ -23,6 +23,10 @@ from gemrender.sweep.unknown import STEPS, figures_of
 
 __all__ = ["Answer", "Details", "Phases", "SearchInterruptedError", "answer_at", "described", "start_of"]
 
+#: Work beside that of the search, in stones that are measured: for each parameter of an answer that is
+#: finished; of two cliffs; of an answer's slopes; of its check. Timed of three goals.
+_FINISHED, _CLIFFS, _SLOPES, _CHECK = 8, 50, 80, 150
+
 
 class SearchInterruptedError(KeyboardInterrupt):
     """Ctrl-C in a search, with what was found by then.
@@ -114,38 +118,59 @@ def start_of(search: Search) -> Answer:
 
 
 class Phases:
-    """The progress of a search, of what is told beside its answers, and of their check.
+    """The progress of a search, of what finishes its answers, is told beside them, and checks them.
+
+    Each phase has the share of the whole that it is likely to have of the time.
 
     Parameters
     ----------
     progress : callable or None
         Called with the share done, 0 to 1, and the best goal so far.
-    details, check : bool
+    search : Search
+        The search.
+    rounds, answers : int
+        Its most rounds, and how many answers are wanted.
+    finish, details, check : bool
         Whether there are such phases.
     """
 
     def __init__(
-        self, progress: Callable[[float, float], None] | None, *, details: bool, check: bool
-    ) -> None:
-        shares = np.cumsum([0.7, 0.3 * details, 1.0 * check])
-        self._ends, self._progress, self._best = shares / shares[-1], progress, -math.inf
+        self, progress: Callable[[float, float], None] | None, search: Search, *, rounds: int, answers: int,
+        finish: bool, details: bool, check: bool,
+    ) -> None:  # fmt: skip
+        ranges, told = len(search.ranges), answers + 1  # the start is one
+        works = {
+            "search": search.population * (rounds + 1),
+            "finish": finish * answers * ranges * _FINISHED,
+            "details": details * told * (ranges * _CLIFFS + _SLOPES),
+            "check": check * told * _CHECK,
+        }
+        ends = np.cumsum([0.0, *works.values()])
+        self._begins = dict(zip(works, ends[:-1] / ends[-1], strict=True))
+        self._ends = dict(zip(works, ends[1:] / ends[-1], strict=True))
+        self._progress, self._best = progress, -math.inf
 
     def search(self, share: float, best: float) -> None:
         """Tell how much of the search is done, and its best goal."""
         self._best = best
-        self._tell(share * float(self._ends[0]))
+        self._tell("search", share)
+
+    def finish(self, share: float) -> None:
+        """Tell what share of the answers is finished."""
+        self._tell("finish", share)
 
     def details(self, share: float) -> None:
         """Tell how much of the details is done."""
-        self._tell(float(self._ends[0] + share * (self._ends[1] - self._ends[0])))
+        self._tell("details", share)
 
     def check(self, share: float) -> None:
         """Tell how much of the check is done."""
-        self._tell(float(self._ends[1] + share * (self._ends[2] - self._ends[1])))
+        self._tell("check", share)
 
-    def _tell(self, share: float) -> None:
+    def _tell(self, phase: str, share: float) -> None:
         if self._progress is not None:
-            self._progress(share, self._best)
+            begin, end = self._begins[phase], self._ends[phase]
+            self._progress(float(begin + share * (end - begin)), self._best)
 
 
 def described(

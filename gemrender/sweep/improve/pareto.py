@@ -143,7 +143,10 @@ def pareto_front(
         seed=seed, head=head, meets=meets, rough=rough, options={**options}, reach=reach,
     )  # fmt: skip
     require_pymoo()
-    phases = Phases(progress, details=details, check=check is not None)
+    phases = Phases(
+        progress, search, rounds=rounds, answers=answers, finish=False, details=details,
+        check=check is not None,
+    )  # fmt: skip
 
     def found(of: Sequence[Answer]) -> Front:
         start, *others = of

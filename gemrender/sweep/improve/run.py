@@ -158,7 +158,10 @@ def improve(
         stone, [goal], vary_by, keep=keep, unknown=unknown, draws=draws, answers=answers, rounds=rounds,
         seed=seed, head=head, meets=meets, rough=rough, options={**options}, reach=reach,
     )  # fmt: skip
-    phases = Phases(progress, details=details, check=check is not None)
+    phases = Phases(
+        progress, search, rounds=rounds, answers=answers, finish=True, details=details,
+        check=check is not None,
+    )  # fmt: skip
 
     def found(of: Sequence[Answer]) -> Improvement:
         start, *others = of
@@ -171,8 +174,10 @@ def improve(
         try:
             _evolve(search, rounds, phases.search)
             ended: list[Places] = []
-            for places in search.apart(answers):
+            apart = search.apart(answers)
+            for number, places in enumerate(apart, 1):
                 last = finished(search, places)
+                phases.finish(number / len(apart))
                 if not any(search.alike(last, other) for other in ended):
                     ended.append(last)
             ended.sort(key=lambda places: -search.known[places][0])
