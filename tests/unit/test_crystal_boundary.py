@@ -30,6 +30,8 @@ SAME_WAVE = 1e-9
 FRESNEL = 1e-12
 
 
+#: The same where biaxial waves are next to one another: their fields are told apart by rounding over the gap.
+NEXT_TO = 1e-11
 #: Flux below which a wave runs along the boundary within rounding (1e-16 under a square root and more).
 ALONG = 1e-6
 
@@ -173,6 +175,42 @@ def test_energy_next_to_grazing_of_a_uniaxial_crystal(birefringence, cosine):
         assert_energy_is_kept(left)
         entered = enter(normal, along, crystal)
         np.testing.assert_allclose(totals(entered), 1.0, rtol=0, atol=ENERGY)
+
+
+@pytest.mark.parametrize("birefringence", [0.2, 0.01, 1e-4, 1e-9, 1e-12, 0.0])
+def test_energy_at_the_limits_of_a_biaxial_crystal(birefringence):
+    """Along an optic axis and next to it, grazing and nearly, of indices however close."""
+    rng = np.random.default_rng(9)
+    index, normals = rng.uniform(1.3, 2.7, 500), directions(rng, 500)
+    middle = index + birefringence * rng.uniform(0, 1, 500)
+    crystal = Indicatrix.biaxial(index, middle, index + birefringence, frames(rng, 500))
+    axis = optic_axes(crystal)[:, 0]
+    cases = [(axis + away * at_right_angles(rng, axis), normals) for away in (1e-3, 1e-6, 1e-12, 0.0)]
+    cases += [(at_right_angles(rng, normals) + cosine * normals, normals) for cosine in (1e-3, 1e-6, 0.0)]
+    cases += [(axis, axis), (axis, at_right_angles(rng, axis))]
+    for along, normal in cases:
+        along = along / np.linalg.norm(along, axis=-1, keepdims=True)
+        np.testing.assert_allclose(totals(enter(normal, along, crystal)), 1.0, rtol=0, atol=NEXT_TO)
+        for mode in (0, 1):
+            left = leave(*coming(along, normal, crystal, mode)[::-1], crystal)
+            total = totals(left)
+            np.testing.assert_allclose(total[left.incident.propagating], 1.0, rtol=0, atol=MOST_LOST)
+            np.testing.assert_array_equal(total[~left.incident.propagating], 0.0)
+            assert np.isfinite(left.r).all()
+            assert np.isfinite(left.t).all()
+
+
+@pytest.mark.parametrize("birefringence", [0.05, 0.01, 1e-3, 1e-6, 1e-9])
+def test_energy_that_leaves_a_biaxial_gem(birefringence):
+    rng = np.random.default_rng(12)
+    index = rng.uniform(1.5, 2.7, 2000)
+    middle = index + birefringence * rng.uniform(0, 1, 2000)
+    crystal = Indicatrix.biaxial(index, middle, index + birefringence, frames(rng, 2000))
+    k, normal = coming(directions(rng, 2000), directions(rng, 2000), crystal, 1)
+    left = leave(normal, k, crystal)
+    counted = left.incident.flux > 0.01
+    np.testing.assert_allclose(not_lost(left)[counted], 1.0, rtol=0, atol=NEXT_TO)
+    assert (counted | ~left.incident.propagating).mean() > 0.95
 
 
 def test_shares_are_sums_over_the_polarisation_outside():

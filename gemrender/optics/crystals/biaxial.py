@@ -7,13 +7,14 @@ from collections.abc import Iterator
 import numpy as np
 
 from gemrender.optics.crystals.indicatrix import Indicatrix
+from gemrender.optics.crystals.modes import ON_AXIS
 
 __all__ = ["biaxial_fields"]
 
 #: Imaginary parts below this are rounding of a double root [of k_n].
 _REAL = 1e-8
 #: Roots closer than this are one within rounding, and one wave vector serves both of their fields.
-_ONE_ROOT = 1e-11
+_ONE_ROOT = 1e-13
 #: Eigenvalues of 1/eps closer than this [relative] are those of a wave next to an optic axis.
 _NEXT_TO_AXIS = 1e-9
 #: Flux from which on a root is polished: below it Newton's step would part the two of a nearly double root,
@@ -58,11 +59,12 @@ def biaxial_fields(length: np.ndarray, local: Indicatrix) -> Iterator[tuple[np.n
         roots = roots - np.where(steep, miss.real / (2 * np.where(steep, flow.real, 1.0)), 0.0)
     order = _order(length, roots, inverse, branch)
     roots, branch, real = (np.take_along_axis(of, order, axis=-1) for of in (roots, branch, real))
-    e = _fields(length, roots, inverse, branch)
+    roots, branch = _one_root(length, roots, inverse, branch)
+    e = _field(length, roots, inverse, branch)[0]
     k = _wave_vector(length, roots)
     h = np.cross(k, e)
     trace = _adjugate_trace(k, tensor)
-    _part(k, e, h, real & (np.abs(trace) < _MIXED))
+    _part(e, h, real & (np.abs(trace) < _MIXED))
     # What the quartic's slope makes of the flux is right relative to itself, however small; next to an optic
     # axis, where the other waves make slope and trace small, the fields are the better source.
     flux = flux_between(e, h, e, h).real
@@ -128,19 +130,25 @@ def _order(length: np.ndarray, roots: np.ndarray, inverse: np.ndarray, branch: n
     return np.concatenate(sides, axis=-1)
 
 
-def _fields(length: np.ndarray, roots: np.ndarray, inverse: np.ndarray, branch: np.ndarray) -> np.ndarray:
-    """Return E (..., 4, 3) of unit length; two waves of one wave vector have fields at right angles."""
-    shared, sheet = roots.copy(), branch.copy()
+def _one_root(
+    length: np.ndarray, roots: np.ndarray, inverse: np.ndarray, branch: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Make of two waves to one side that rounding cannot tell apart one k_n with fields at right angles."""
+    _, _, zz, zy, yy = _section(length, roots, inverse)
+    alike = np.abs(np.sqrt(((zz - yy) / 2) ** 2 + zy**2)) < 10 * ON_AXIS * np.abs(zz + yy)
     for side in (slice(0, 2), slice(2, 4)):
-        pair = roots[..., side]
-        same = np.abs(pair[..., :1] - pair[..., 1:]) < _ONE_ROOT
-        shared[..., side] = np.where(same, pair.mean(axis=-1, keepdims=True), pair)
-        twice = same & (sheet[..., side][..., :1] == sheet[..., side][..., 1:])
-        sheet[..., side] = np.where(twice, np.array([1.0, -1.0]), sheet[..., side])
-    return _field(length, shared, inverse, sheet)[0]
+        pair, sheets = roots[..., side], branch[..., side]
+        gap = np.abs(pair[..., :1] - pair[..., 1:])
+        same = (gap < _ONE_ROOT) | (
+            (gap * np.abs(pair[..., :1]) < 20 * _ONE_ROOT) & alike[..., side].any(axis=-1, keepdims=True)
+        )
+        roots[..., side] = np.where(same, pair.mean(axis=-1, keepdims=True), pair)
+        twice = same & (sheets[..., :1] == sheets[..., 1:])
+        branch[..., side] = np.where(twice, np.array([1.0, -1.0]), sheets)
+    return roots, branch
 
 
-def _part(k: np.ndarray, e: np.ndarray, h: np.ndarray, mixed: np.ndarray) -> None:
+def _part(e: np.ndarray, h: np.ndarray, mixed: np.ndarray) -> None:
     """Take out of waves what flux rounding has left between them, in place.
 
     Of waves as close as next to an optic axis rounding mixes the fields, in which any mixture is a wave: each
@@ -149,19 +157,19 @@ def _part(k: np.ndarray, e: np.ndarray, h: np.ndarray, mixed: np.ndarray) -> Non
     if not mixed.any():
         return
     at = np.nonzero(mixed.any(axis=-1))
-    k, some_e, some_h, mixed = k[at], e[at], h[at], mixed[at]
+    some_e, some_h, mixed = e[at], h[at], mixed[at]
     flux = flux_between(some_e, some_h, some_e, some_h).real
     order = np.argsort(-np.abs(flux), axis=-1, kind="stable")
     rows = np.arange(len(order))
     for i in range(1, 4):
         for j in range(i):
             one, other = order[:, i], order[:, j]
-            close = np.abs(k[rows, one, 2] - k[rows, other, 2]) < _MIXED
             total = flux[rows, other]
-            possible = mixed[rows, one] & mixed[rows, other] & close & (total != 0)
             between = flux_between(
                 some_e[rows, one], some_h[rows, one], some_e[rows, other], some_h[rows, other]
             )
+            # More than half is no rounding: the other wave runs along the boundary.
+            possible = mixed[rows, one] & mixed[rows, other] & (2 * np.abs(between) < np.abs(total))
             share = np.where(possible, between / np.where(possible, total, 1.0), 0.0)[:, None]
             some_e[rows, one] -= share * some_e[rows, other]
             some_h[rows, one] -= share * some_h[rows, other]
@@ -236,8 +244,9 @@ def _field(
     towards = (half * spread.conj()).real >= 0
     first = np.where(towards, half + spread, zy)
     second = np.where(towards, zy, spread - half)
-    nothing = (first == 0) & (second == 0)
-    first = np.where(nothing, 1.0, first)
+    # Where rounding alone tells the two apart, they are polarised in the plane of incidence and across it.
+    nothing = np.abs(spread) < ON_AXIS * np.abs(zz + yy)
+    first, second = np.where(nothing, 1.0, first), np.where(nothing, 0.0, second)
     plus = branch > 0
     along_z = np.where(plus, first, -second)[..., None]
     along_y = np.where(plus, second, first)[..., None]

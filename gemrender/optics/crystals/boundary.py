@@ -30,8 +30,10 @@ from gemrender.optics.crystals.waves import Waves, boundary_axes, boundary_waves
 __all__ = ["MOST_LOST", "Entering", "Leaving", "enter", "leave", "normal_outside"]
 
 
-#: Share of a wave's energy that rounding may lose: more is lost only of a wave that runs along the boundary
-#: within rounding, its energy to both sides none, and all of it is reflected into itself. That is the limit.
+#: Share of a wave's energy that rounding may lose. More is lost, or found, only where rounding cannot tell
+#: which side a wave's energy goes to: along the boundary, where all of it is reflected into itself in the
+#: limit, and within 1e-10 of a biaxial crystal's optic axis where the cone of rays there meets the boundary.
+#: Such a wave is given the former's shares; its amplitudes are left as they are.
 MOST_LOST = 1e-6
 
 

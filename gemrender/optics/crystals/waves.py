@@ -118,9 +118,9 @@ def boundary_waves(axes: np.ndarray, length: np.ndarray, indicatrix: Indicatrix)
     extraordinary one the quadratic k . eps . k = eps_o eps_e and E = (eps_o / eps_e) p^2 c - kappa p, which
     loses no digit near the optic axis (there p^2 is eps_o - kappa^2 times eps_e / eps_o).
 
-    Along the optic axis p vanishes and its direction is taken along the first axis of the frame. Biaxial:
-    `biaxial`. Two modes with k closer than rounding tells are two waves at right angles in the sense
-    of the energy (no flux between them), so that energies add at every boundary.
+    Along the optic axis p vanishes and its direction is taken along the first axis of the frame. Biaxial
+    crystals: `biaxial`. Where rounding alone tells two waves apart, as next to a biaxial's optic axis or of
+    nearly equal indices, they are polarised in the plane of incidence and across it; no flux is between them.
 
     Where both waves die away, they may be one and the same for a single tangential wave vector (the
     optic axis lies in the boundary and k_t along it is the ordinary index): only light from a denser medium
