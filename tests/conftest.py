@@ -63,6 +63,7 @@ def pytest_sessionfinish() -> None:
 
 def _variant(name: str) -> Iterator[str]:
     """Switch the variant on; afterwards wait for its kernels, so that a failure shows up in its own test."""
+    gc.collect()  # scenes of tests before: their lights and surfaces would be in the kernels of this one
     yield ensure_variant(name)
 
     import drjit as dr

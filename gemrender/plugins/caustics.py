@@ -15,6 +15,7 @@ from gemrender.plugins.modes import walk_modes
 from gemrender.plugins.projection import Projection
 from gemrender.plugins.spectra import mean_of
 from gemrender.plugins.stones import RAY_OFFSET, Stones
+from gemrender.plugins.tracing import instances_held
 from gemrender.plugins.walk import LATE, LATE_SURVIVAL, walk
 from gemrender.scene.sobol import TEA_ROUNDS, sobol
 
@@ -132,7 +133,7 @@ class Caustics:
         draw : callable
             Makes wavelengths of a number in [0, 1).
         """
-        with dr.suspend_grad():
+        with dr.suspend_grad(), instances_held():
             lanes = dr.arange(mi.UInt32, n)
             number = lanes + dr.opaque(mi.UInt32, first & 0xFFFFFFFF)
             key = dr.opaque(mi.UInt32, seed)

@@ -17,6 +17,7 @@ from gemrender.plugins.polarisation import Field, Filters
 from gemrender.plugins.properties import direction, truth, whole_number
 from gemrender.plugins.spectra import mean_of
 from gemrender.plugins.stones import RAY_OFFSET, Stones
+from gemrender.plugins.tracing import instances_held
 from gemrender.plugins.walk import LATE, LATE_SURVIVAL, walk
 
 #: Names of the AOVs, in order: what a denoiser wants to know of the first hit.
@@ -160,7 +161,8 @@ class PathIntegrator(mi.SamplingIntegrator):
     ) -> mi.TensorXf:
         """Render a scene, as every integrator does, once it is checked; see the class."""
         self.check(scene, scene.sensors()[sensor] if isinstance(sensor, int) else sensor)
-        return super().render(scene, sensor, seed, spp, develop, evaluate)
+        with instances_held():
+            return super().render(scene, sensor, seed, spp, develop, evaluate)
 
     def sample(
         self,
@@ -206,7 +208,7 @@ class PathIntegrator(mi.SamplingIntegrator):
         With `caustics`, the light that these count is left out. `modes_by` are numbers in [0, 1), even over a
         pixel together with the places in it, that draw the modes in the first stone, if it is birefringent.
         """
-        with dr.suspend_grad():
+        with dr.suspend_grad(), instances_held():
             stones = Stones(scene, sampler, self.scene_check, self.filters())
             radiance, valid, albedo, normal = self._radiance(
                 scene, stones, sampler, mi.Ray3f(ray), mi.Bool(active), caustics, modes_by
