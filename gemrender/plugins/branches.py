@@ -148,6 +148,7 @@ def split(  # type: ignore[no-untyped-def]  # dr.syntax
         side_d = dr.select(rough, d_one, side_d)
         side_β = dr.select(rough, β_one, side_β)
         side_parted |= rough & part & mi.Bool(stones.n_ways > 1)
+        side_seen = dr.select(rough, 1, side_seen)
         β_in = dr.select(rough, β_one * dr.select(part, stones.parting_weight(), mi.Spectrum(1)), β_in)
         n_in, d_in = dr.select(rough, n_one, n_in), dr.select(rough, d_one, d_in)
         part &= ~rough
@@ -179,6 +180,10 @@ def split(  # type: ignore[no-untyped-def]  # dr.syntax
         back = dr.select(leaves, reflectance(cos_t, cos_i, n_in), 1)
         d_out = n_in * (d - cos_i * n) + cos_t * n
         d_back = d - 2 * cos_i * n
+        if dr.hint(stones.filters is not None, mode="scalar"):
+            share, field, side_field = at_interface(field, d, n, cos_i, n_in, d_back, dr.normalize(d_out))
+            back = dr.select(leaves, share, 1)
+            side_seen = stones.filters.passes(side_field, dr.normalize(d_out))
         if dr.hint(stones.any_rough, mode="scalar"):
             alpha = stones.roughness(stone, n, inside)
             rough = inside & (alpha > 0)
@@ -186,10 +191,7 @@ def split(  # type: ignore[no-untyped-def]  # dr.syntax
             leaves = dr.select(rough, outside, leaves)
             back = dr.select(rough, dr.select(outside, mi.Float(0), 1), back)
             d_out, d_back = dr.select(rough, d_one, d_out), dr.select(rough, d_one, d_back)
-        if dr.hint(stones.filters is not None, mode="scalar"):
-            share, field, side_field = at_interface(field, d, n, cos_i, n_in, d_back, dr.normalize(d_out))
-            back = dr.select(leaves, share, 1)
-            side_seen = stones.filters.passes(side_field, dr.normalize(d_out))
+            side_seen = dr.select(rough, 1, side_seen)
         side = leaves & (in_depth + 2 <= max_depth)
         side_o = mi.Point3f(p + RAY_OFFSET * stones.size * n)
         side_d = dr.normalize(d_out)

@@ -75,8 +75,8 @@ class PathIntegrator(mi.SamplingIntegrator):
     - **Birefringence.** In a birefringent stone light is in one mode at a time, ordinary or extraordinary,
       fast or slow, with its own index, direction of energy and absorption. The phases of two part within
       micrometres, so that they add as energies: of those that a facet hands light on to, one is drawn by its
-      share of the energy. Outside, light is unpolarised: a thick plate at 45 degrees between crossed
-      polarisers would pass a quarter of it, less what it reflects, without interference colours.
+      share of the energy. Outside, light is unpolarised, but between filters: a thick plate at 45 degrees
+      between crossed ones passes a quarter of it, less what it reflects, without interference colours.
     - **Absorption** along the way inside, by the material (Beer and Lambert).
     - Russian roulette goes by the throughput, and total reflection does not lessen it: long bright paths are
       not clipped. Multiple importance sampling (power heuristic) at all other surfaces; at the first one that

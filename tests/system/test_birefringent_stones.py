@@ -301,3 +301,11 @@ def test_each_window_of_a_dichroscope_shows_one_colour(variant_llvm_ad_spectral)
         mean, _ = seen({"analyser": axis}, 550.0, material="ruby", c_axis=[1.0, 0.0, 0.0])
         R, a = float(reflectance(1.0, index)), math.exp(-float(absorption))
         assert mean == pytest.approx(0.5 * (R + (1 - R) ** 2 * a / (1 - R * a)), rel=SLAB)
+
+
+def test_a_ground_girdle_loses_no_light_behind_a_filter(variant_llvm_ad_spectral):
+    filters = {"analyser": [1.0, 0.0, 0.0]}
+    scene = scene_of(load_stone("baguette-three"), half_width=0.3, filters=filters, girdle_alpha=0.4)
+    off, of_mean = off_by(*Passes(scene, seed=9).radiance_at(550.0, 256), expected=0.5)
+    assert of_mean < 1e-3
+    assert abs(off) <= THREE_SIGMA
