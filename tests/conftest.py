@@ -78,6 +78,11 @@ def variant_llvm_ad_mono() -> Iterator[str]:
 
 
 @pytest.fixture
+def variant_llvm_ad_mono_polarized() -> Iterator[str]:
+    yield from _variant("llvm_ad_mono_polarized")
+
+
+@pytest.fixture
 def variant_llvm_ad_rgb() -> Iterator[str]:
     yield from _variant("llvm_ad_rgb")
 

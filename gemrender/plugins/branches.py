@@ -38,7 +38,7 @@ class Branch:
     weight: mi.Float
     o: mi.Point3f
     d: mi.Vector3f
-    β: mi.Spectrum
+    β: mi.UnpolarizedSpectrum
     parted: mi.Bool
     depth: mi.UInt32
 
@@ -46,7 +46,12 @@ class Branch:
     def none() -> Branch:
         """Return no branch."""
         return Branch(
-            mi.Float(0), mi.Point3f(0), mi.Vector3f(0, 0, 1), mi.Spectrum(0), mi.Bool(False), mi.UInt32(0)
+            mi.Float(0),
+            mi.Point3f(0),
+            mi.Vector3f(0, 0, 1),
+            mi.UnpolarizedSpectrum(0),
+            mi.Bool(False),
+            mi.UInt32(0),
         )
 
     def or_offered(self, other: Branch, number: mi.Float, active: mi.Bool) -> Branch:
@@ -58,7 +63,7 @@ class Branch:
         return drawn
 
     @property
-    def throughput(self) -> mi.Spectrum:
+    def throughput(self) -> mi.UnpolarizedSpectrum:
         """What it stands for: all that were offered."""
         return dr.select(self.weight > 0, self.β * (self.weight / mean_of(self.β)), 0)
 
@@ -105,7 +110,7 @@ def split(  # type: ignore[no-untyped-def]  # dr.syntax
         Light and sky that the branches outside end on; of each wavelength one of those that end on something
         else, where wavelengths do not part of all together; and where each has ways of its own.
     """
-    L = mi.Spectrum(0)
+    L = mi.UnpolarizedSpectrum(0)
     cos_air = -dr.dot(n, d)
     eta = stones.index(stone, wavelengths, active)
     cos_stone = dr.safe_sqrt(1 - (1 - dr.square(cos_air)) / dr.square(eta))
@@ -118,14 +123,14 @@ def split(  # type: ignore[no-untyped-def]  # dr.syntax
     side = mi.Bool(active)  # whether there is a branch outside to look along
     side_o = mi.Point3f(p + RAY_OFFSET * stones.size * n)
     side_d = mi.Vector3f(d + 2 * cos_air * n)
-    side_β = mi.Spectrum(β * reflected)
+    side_β = mi.UnpolarizedSpectrum(β * reflected)
     side_parted = mi.Bool(parted)
     side_depth = depth + 1
     side_way = mi.UInt32(0)
 
     # One wavelength after the other where they part here; one way for all where they do not.
     part = active & ~parted & stones.disperses(stone, active)
-    entering = β * (1 - reflected) * dr.select(part, stones.parting_weight(), mi.Spectrum(1))
+    entering = β * (1 - reflected) * dr.select(part, stones.parting_weight(), mi.UnpolarizedSpectrum(1))
     in_parted = parted | part
     channel = dr.select(part, mi.UInt32(0), stones.alive(β))
     left = dr.select(part, stones.n_ways - 1, mi.UInt32(0))
@@ -149,7 +154,9 @@ def split(  # type: ignore[no-untyped-def]  # dr.syntax
         side_β = dr.select(rough, β_one, side_β)
         side_parted |= rough & part & mi.Bool(stones.n_ways > 1)
         side_seen = dr.select(rough, 1, side_seen)
-        β_in = dr.select(rough, β_one * dr.select(part, stones.parting_weight(), mi.Spectrum(1)), β_in)
+        β_in = dr.select(
+            rough, β_one * dr.select(part, stones.parting_weight(), mi.UnpolarizedSpectrum(1)), β_in
+        )
         n_in, d_in = dr.select(rough, n_one, n_in), dr.select(rough, d_one, d_in)
         part &= ~rough
         left = dr.select(rough, 0, left)

@@ -328,11 +328,11 @@ def _scatters(bsdf: mi.BSDF) -> bool:
         return False
     if mi.has_flag(flags, mi.BSDFFlags.SpatiallyVarying):
         return True
-    lanes = len(mi.Spectrum())
+    lanes = len(mi.UnpolarizedSpectrum())
     for side in (1.0, -1.0):
         si = dr.zeros(mi.SurfaceInteraction3f, 512)
         first = 360.0 + dr.arange(mi.Float, 512) * (470.0 / 511)
-        si.wavelengths = mi.Spectrum([first for _ in range(lanes)])
+        si.wavelengths = mi.UnpolarizedSpectrum([first for _ in range(lanes)])
         si.wi = mi.Vector3f(0, 0, side)
         if dr.any(bsdf.eval(mi.BSDFContext(), si, mi.Vector3f(0.0, 0.6 * side, 0.8 * side)) > 0, axis=None):
             return True

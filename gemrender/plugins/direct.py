@@ -5,6 +5,8 @@ from __future__ import annotations
 import drjit as dr
 import mitsuba as mi
 
+from gemrender.plugins.spectra import unpolarised
+
 __all__ = ["MOST_LIGHTS", "direct_light", "mis_weight", "one_light"]
 
 #: Most lights that are sampled one by one at a surface; of more of them so many are drawn.
@@ -40,7 +42,7 @@ def direct_light(scene, si, bsdf, place, samples, active):  # type: ignore[no-un
         Which surfaces there are.
     """
     context = mi.BSDFContext()
-    radiance, number, left = mi.Spectrum(0), mi.UInt32(0), mi.Bool(active)
+    radiance, number, left = mi.UnpolarizedSpectrum(0), mi.UInt32(0), mi.Bool(active)
     while dr.hint(left, label="direct light"):
         shifted = place + number * mi.Vector2f(*_STEPS)
         shifted -= dr.floor(shifted)
@@ -48,6 +50,7 @@ def direct_light(scene, si, bsdf, place, samples, active):  # type: ignore[no-un
         ds, weight = scene.sample_emitter_direction(si, drawn, True, left)
         found = left & (ds.pdf != 0)
         value, pdf = bsdf.eval_pdf(context, si, si.to_local(ds.d), found)
+        value, weight = unpolarised(value), unpolarised(weight)
         mis = dr.select(ds.delta, 1, mis_weight(ds.pdf * samples, pdf))
         radiance += dr.select(found, value * weight * (mis / samples), 0)
         number += 1
@@ -57,8 +60,9 @@ def direct_light(scene, si, bsdf, place, samples, active):  # type: ignore[no-un
 
 def one_light(
     scene: mi.Scene, si: mi.SurfaceInteraction3f, bsdf: mi.BSDFPtr, place: mi.Point2f, active: mi.Bool
-) -> mi.Spectrum:
+) -> mi.UnpolarizedSpectrum:
     """Return the light that is reflected, by one sample that stands for all: from there no ray goes on."""
     ds, weight = scene.sample_emitter_direction(si, place, True, active)
     found = active & (ds.pdf != 0)
-    return dr.select(found, bsdf.eval(mi.BSDFContext(), si, si.to_local(ds.d), found) * weight, 0)
+    value = unpolarised(bsdf.eval(mi.BSDFContext(), si, si.to_local(ds.d), found))
+    return dr.select(found, value * unpolarised(weight), 0)

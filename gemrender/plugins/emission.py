@@ -80,7 +80,7 @@ class Emission:
         lanes = dr.arange(mi.UInt32, n)
         chance = mi.PCG32(1, mi.UInt64(lanes), mi.UInt64(lanes) + 1)
         u = [chance.next_float32() for _ in range(5)]
-        _, weight, *_ = self._ray(lanes // _TRIALS, u, mi.Spectrum(*_trial_wavelengths()))
+        _, weight, *_ = self._ray(lanes // _TRIALS, u, mi.UnpolarizedSpectrum(*_trial_wavelengths()))
         found = np.array(mean_of(weight), dtype=np.float64).reshape(self.n_emitters, _TRIALS)
         flux = np.where(np.isfinite(found), found, 0).mean(axis=1)
         self.mean_weight = float(flux.sum())
@@ -102,7 +102,9 @@ class Emission:
                 tables[1, number] = 1 / float(np.asarray(shape.surface_area()).ravel()[0])
         self._chosen, self._per_area = (mi.Float(table) for table in tables)
 
-    def sample(self, u: list[mi.Float], wavelengths: mi.Spectrum) -> tuple[mi.Ray3f, mi.Spectrum, mi.Float]:
+    def sample(
+        self, u: list[mi.Float], wavelengths: mi.UnpolarizedSpectrum
+    ) -> tuple[mi.Ray3f, mi.UnpolarizedSpectrum, mi.Float]:
         """Return rays, the flux by wavelength that each stands for, and their `density`.
 
         Parameters
@@ -155,8 +157,8 @@ class Emission:
         return dr.select(delta, dr.largest(mi.Float), dr.minimum(density, dr.largest(mi.Float)))
 
     def _ray(
-        self, row: mi.UInt32, u: list[mi.Float], wavelengths: mi.Spectrum
-    ) -> tuple[mi.Ray3f, mi.Spectrum, mi.EmitterPtr, mi.Normal3f]:
+        self, row: mi.UInt32, u: list[mi.Float], wavelengths: mi.UnpolarizedSpectrum
+    ) -> tuple[mi.Ray3f, mi.UnpolarizedSpectrum, mi.EmitterPtr, mi.Normal3f]:
         emitter = dr.gather(mi.EmitterPtr, self.emitters, row)
         flags = emitter.flags()
         at_surface = mi.has_flag(flags, mi.EmitterFlags.Surface)
@@ -237,7 +239,7 @@ def _solid_angles(scene: mi.Scene, spheres: np.ndarray) -> np.ndarray:
         place = mi.Point2f(chance.next_float32(), chance.next_float32())
         it = dr.zeros(mi.SurfaceInteraction3f, _TRIALS)
         it.p = mi.Point3f(*(float(x) for x in middle))
-        it.wavelengths = mi.Spectrum(*_trial_wavelengths())
+        it.wavelengths = mi.UnpolarizedSpectrum(*_trial_wavelengths())
         if emitter.flags() & int(mi.EmitterFlags.Infinite):
             ds, weight = emitter.sample_direction(it, place)
             w = mean_of(weight)
@@ -253,7 +255,7 @@ def _solid_angles(scene: mi.Scene, spheres: np.ndarray) -> np.ndarray:
 
 
 def _trial_wavelengths() -> list[float]:
-    n = len(mi.Spectrum())
+    n = len(mi.UnpolarizedSpectrum())
     return [_TRIAL_NM[k % len(_TRIAL_NM)] for k in range(n)]
 
 

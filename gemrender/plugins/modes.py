@@ -136,7 +136,7 @@ def split_modes(  # type: ignore[no-untyped-def]  # dr.syntax
     Parameters and results are those of `branches.split`, but for `u`, a number in [0, 1) that draws the modes
     of each wavelength's way.
     """
-    L = mi.Spectrum(0)
+    L = mi.UnpolarizedSpectrum(0)
     crystals = stones.crystals
     part = active & ~parted & stones.disperses(stone, active)
     in_parted = parted | part
@@ -147,12 +147,12 @@ def split_modes(  # type: ignore[no-untyped-def]  # dr.syntax
     mirrored = mi.Vector3f(d - 2 * dr.dot(n, d) * n)
     start = mi.Point3f(stones.inwards(p, n))
     start_out = mi.Point3f(p + RAY_OFFSET * stones.size * n)
-    weighted = β * dr.select(part, stones.parting_weight(), mi.Spectrum(1))
+    weighted = β * dr.select(part, stones.parting_weight(), mi.UnpolarizedSpectrum(1))
 
     side = mi.Bool(False)  # whether there is a branch outside to look along
-    side_o, side_d, side_β = mi.Point3f(start_out), mi.Vector3f(mirrored), mi.Spectrum(0)
+    side_o, side_d, side_β = mi.Point3f(start_out), mi.Vector3f(mirrored), mi.UnpolarizedSpectrum(0)
     side_parted, side_depth, side_way = mi.Bool(parted), depth + 1, mi.UInt32(0)
-    mirrors = mi.Spectrum(0)  # share of each wavelength that is mirrored at once
+    mirrors = mi.UnpolarizedSpectrum(0)  # share of each wavelength that is mirrored at once
     side_seen, mirrored_seen = mi.Float(1), mi.Float(1)  # what filters leave of light along that branch
     if dr.hint(stones.filters is not None, mode="scalar"):
         # As of a surface of the ordinary index
@@ -198,7 +198,7 @@ def split_modes(  # type: ignore[no-untyped-def]  # dr.syntax
             for way in range(stones.n_ways):
                 mirrors[way] = dr.select(entering & (~part | (channel == way)), mirrored_here, mirrors[way])
         else:
-            mirrors = dr.select(entering, mi.Spectrum(mirrored_here), mirrors)
+            mirrors = dr.select(entering, mi.UnpolarizedSpectrum(mirrored_here), mirrors)
         together = inside & entering & (left == 0) & ~met.rough
         scatters = entering & met.rough & (met.passes > 0)
         side = together | scatters | (on & (met.passes > 0) & (in_depth + 2 <= max_depth))

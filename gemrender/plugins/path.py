@@ -7,7 +7,6 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 
-from gemrender.errors import InputError
 from gemrender.plugins.branches import NEGLIGIBLE, Branch, is_diffuse, split
 from gemrender.plugins.caustics import Caustics
 from gemrender.plugins.checks import SceneCheck
@@ -15,7 +14,7 @@ from gemrender.plugins.direct import MOST_LIGHTS, direct_light, mis_weight, one_
 from gemrender.plugins.modes import split_modes, walk_modes
 from gemrender.plugins.polarisation import Field, Filters
 from gemrender.plugins.properties import direction, truth, whole_number
-from gemrender.plugins.spectra import mean_of
+from gemrender.plugins.spectra import mean_of, unpolarised
 from gemrender.plugins.stones import RAY_OFFSET, Stones
 from gemrender.plugins.tracing import instances_held
 from gemrender.plugins.walk import LATE, LATE_SURVIVAL, walk
@@ -77,6 +76,11 @@ class PathIntegrator(mi.SamplingIntegrator):
       micrometres, so that they add as energies: of those that a facet hands light on to, one is drawn by its
       share of the energy. Outside, light is unpolarised, but between filters: a thick plate at 45 degrees
       between crossed ones passes a quarter of it, less what it reflects, without interference colours.
+    - **Polarised variants.** The first stone that is seen polarises light, by its facets and its modes, and
+      the integrator returns what unpolarised light becomes, as Mueller matrices: nest it in ``stokes``. Light
+      is taken as unpolarised by all else. Each path is followed with one polarisation of all that there are,
+      even over Poincaré's sphere; samplers that spread numbers evenly, as ``multijitter``, have a third of
+      the noise of ``independent`` there.
     - **Absorption** along the way inside, by the material (Beer and Lambert).
     - Russian roulette goes by the throughput, and total reflection does not lessen it: long bright paths are
       not clipped. Multiple importance sampling (power heuristic) at all other surfaces; at the first one that
@@ -126,8 +130,6 @@ class PathIntegrator(mi.SamplingIntegrator):
 
     def __init__(self, props: mi.Properties) -> None:
         super().__init__(props)
-        if mi.is_polarized:
-            raise InputError("gem_path takes unpolarised variants only", key="variant", value=mi.variant())
         self.max_depth = whole_number(props, "max_depth", -1, least=-1)
         self.aovs = truth(props, "aovs", False)
         #: Axes of the polarising filters, unit vectors; None is no filter.
@@ -171,12 +173,12 @@ class PathIntegrator(mi.SamplingIntegrator):
         ray: mi.RayDifferential3f,
         medium: mi.Medium | None = None,
         active: mi.Bool = True,
-    ) -> tuple[mi.Spectrum, mi.Bool, list[mi.Float]]:
+    ) -> tuple[mi.UnpolarizedSpectrum, mi.Bool, list[mi.Float]]:
         """Return the radiance along a ray from outside all stones; see the class."""
         if len(scene.sensors()) == 1:  # another integrator may ask, which has checked nothing
             self.check(scene, scene.sensors()[0])
-        radiance, valid, aovs = self.sample_with_aovs(scene, sampler, ray, active)
-        return radiance, valid, aovs if self.aovs else []
+        radiance, valid, aovs, stokes = self._sample(scene, sampler, ray, active)
+        return _as_mueller(radiance, stokes), valid, aovs if self.aovs else []
 
     def caustics(self, scene: mi.Scene, sensor: mi.Sensor) -> Caustics | None:
         """Return what traces the light of a checked scene that stones throw on diffuse surfaces.
@@ -188,8 +190,8 @@ class PathIntegrator(mi.SamplingIntegrator):
         return Caustics(scene, sensor, self.scene_check, self.max_depth)
 
     def filters(self) -> Filters | None:
-        """Return the polarising filters; None where there are none."""
-        if self.analyser is None and self.polariser is None:
+        """Return the polarising filters; None where light's polarisation makes no difference."""
+        if self.analyser is None and self.polariser is None and not mi.is_polarized:
             return None
         return Filters(self.analyser, self.polariser)
 
@@ -202,22 +204,34 @@ class PathIntegrator(mi.SamplingIntegrator):
         *,
         caustics: Caustics | None = None,
         modes_by: mi.Float | None = None,
-    ) -> tuple[mi.Spectrum, mi.Bool, list[mi.Float]]:
+    ) -> tuple[mi.UnpolarizedSpectrum, mi.Bool, list[mi.Float]]:
         """Return the radiance along a ray with the AOVs, whether `aovs` asks for them or not.
 
         With `caustics`, the light that these count is left out. `modes_by` are numbers in [0, 1), even over a
         pixel together with the places in it, that draw the modes in the first stone, if it is birefringent.
         """
-        with dr.suspend_grad(), instances_held():
-            stones = Stones(scene, sampler, self.scene_check, self.filters())
-            radiance, valid, albedo, normal = self._radiance(
-                scene, stones, sampler, mi.Ray3f(ray), mi.Bool(active), caustics, modes_by
-            )
-        return radiance, valid, [*albedo, *normal]
+        return self._sample(scene, sampler, ray, active, caustics, modes_by)[:3]
 
     def to_string(self) -> str:
         """Describe the integrator in Mitsuba's manner."""
         return f"PathIntegrator[\n  max_depth = {self.max_depth},\n  aovs = {self.aovs}\n]"
+
+    def _sample(
+        self,
+        scene: mi.Scene,
+        sampler: mi.Sampler,
+        ray: mi.RayDifferential3f,
+        active: mi.Bool,
+        caustics: Caustics | None = None,
+        modes_by: mi.Float | None = None,
+    ) -> tuple[mi.UnpolarizedSpectrum, mi.Bool, list[mi.Float], mi.Vector3f]:
+        """Return what `sample_with_aovs` does, and Stokes' parameters as `Filters.stokes` does."""
+        with dr.suspend_grad(), instances_held():
+            stones = Stones(scene, sampler, self.scene_check, self.filters())
+            radiance, valid, albedo, normal, stokes = self._radiance(
+                scene, stones, sampler, mi.Ray3f(ray), mi.Bool(active), caustics, modes_by
+            )
+        return radiance, valid, [*albedo, *normal], stokes
 
     @dr.syntax
     def _radiance(self, scene, stones, sampler, ray, active, caustics, modes_by):  # type: ignore[no-untyped-def]  # dr.syntax
@@ -225,8 +239,8 @@ class PathIntegrator(mi.SamplingIntegrator):
         context = mi.BSDFContext()
         walking = caustics is not None
 
-        L = mi.Spectrum(0)  # radiance found so far
-        β = mi.Spectrum(1)  # throughput
+        L = mi.UnpolarizedSpectrum(0)  # radiance found so far
+        β = mi.UnpolarizedSpectrum(1)  # throughput
         parted = mi.Bool(False)  # whether the wavelengths have parted
         depth = mi.UInt32(0)  # segments so far
         valid = mi.Bool(False)
@@ -254,8 +268,10 @@ class PathIntegrator(mi.SamplingIntegrator):
         field, looked_at = Field.linear(mi.Vector3f(1, 0, 0)), mi.Float(1)
         if dr.hint(stones.filters is not None, mode="scalar"):
             β *= stones.filters.leaves
-            field = stones.filters.begins(ray.d, mi.Bool(True), chance.next_float32())
+            field = stones.filters.begins(ray.d, mi.Bool(True), sampler.next_2d())
             looked_at = stones.filters.passes(field, ray.d)
+        seen_by, seen_along = field, mi.Vector3f(ray.d)
+        polarises = mi.Bool(self.polariser is not None)  # whether anything has, that the camera sees
 
         while dr.hint(active, label="gem_path"):
             si = scene.ray_intersect(ray, mi.RayFlags.AllNonDifferentiable, False, active)
@@ -270,7 +286,7 @@ class PathIntegrator(mi.SamplingIntegrator):
             weigh = active & ~from_delta & (emitter != None)  # noqa: E711 (an array)
             mis = mis_weight(from_pdf, from_lights * scene.pdf_emitter_direction(came_from, ds, weigh))
             mis = dr.select(from_delta, 1, mis)
-            light = emitter.eval(si, active & ~on_stone)
+            light = unpolarised(emitter.eval(si, active & ~on_stone))
             traced = active & ~on_stone & first_diffuse & last_diffuse & through
             share = _of_eye(caustics, dr.select(through, of_eye, 0), emitter, si, ray, traced)
             L += dr.select(active & ~on_stone & ~dark, β * mis * share * light * looked_at, 0)
@@ -283,7 +299,7 @@ class PathIntegrator(mi.SamplingIntegrator):
             reflects = seen & ~on_stone
             valid |= seen
             normal = dr.select(seen, stones.outward(si, stone, seen), normal)
-            diffuse = bsdf.eval_diffuse_reflectance(si, reflects)
+            diffuse = unpolarised(bsdf.eval_diffuse_reflectance(si, reflects))
             albedo = dr.select(seen, dr.select(on_stone, mi.Color3f(1), _as_rgb(diffuse)), albedo)
             first = mi.Bool(False)
 
@@ -305,6 +321,7 @@ class PathIntegrator(mi.SamplingIntegrator):
             L += dr.select(smooth, β * found, 0)
 
             bs, weight = bsdf.sample(context, si, sampler.next_1d(), sampler.next_2d(), plain)
+            weight = unpolarised(weight)
             next_ray = si.spawn_ray(si.to_world(bs.wo))
             next_ray.o = dr.select(behind, si.p + RAY_OFFSET * stones.size * ray.d, next_ray.o)
             next_ray.d = dr.select(behind, ray.d, next_ray.d)
@@ -323,7 +340,9 @@ class PathIntegrator(mi.SamplingIntegrator):
             if dr.hint(stones.crystals.any, mode="scalar"):
                 birefringent = stones.crystals.among(stone, arrives)
             if dr.hint(stones.filters is not None, mode="scalar"):
-                field = stones.filters.begins(d, depth == 0, chance.next_float32())
+                polarises |= arrives & (depth == 0)
+                state = mi.Point2f(chance.next_float32(), chance.next_float32())
+                field = dr.select(depth == 0, seen_by, stones.filters.begins(d, mi.Bool(False), state))
             Le, drawn, part = split(
                 stones, stone, si.p, d, n, β, parted, field, ray.wavelengths, ray.time,
                 chance, depth, max_depth, direct, splits & ~birefringent,
@@ -381,7 +400,8 @@ class PathIntegrator(mi.SamplingIntegrator):
                     shines = looks & walks
                     end_light = end_si.emitter(scene, shines)
                     share = _of_eye(caustics, of_eye * stones.n_ways, end_light, end_si, end_ray, shines)
-                    L += dr.select(shines, end.throughput * share * end_light.eval(end_si, shines), 0)
+                    end_Le = unpolarised(end_light.eval(end_si, shines))
+                    L += dr.select(shines, end.throughput * share * end_Le, 0)
                     lights = looks & (end.depth + 2 <= max_depth) & end_si.is_valid()
                     lights &= stones.of(end_si, lights) == 0
                     lights &= is_diffuse(end_bsdf.flags())
@@ -415,7 +435,10 @@ class PathIntegrator(mi.SamplingIntegrator):
             β *= dr.select(active, dr.rcp(q), 0)
             ray.maxt = dr.largest(mi.Float)
 
-        return L, valid, albedo, normal
+        stokes = mi.Vector3f(0)
+        if dr.hint(stones.filters is not None, mode="scalar"):
+            stokes = stones.filters.stokes(seen_by, seen_along, polarises)
+        return L, valid, albedo, normal, stokes
 
 
 def _of_eye(caustics: Caustics | None, *light: Any) -> mi.Float:
@@ -423,7 +446,17 @@ def _of_eye(caustics: Caustics | None, *light: Any) -> mi.Float:
     return mi.Float(1) if caustics is None else caustics.of_eye(*light)
 
 
-def _as_rgb(value: mi.Spectrum) -> mi.Color3f:
+def _as_mueller(radiance: mi.UnpolarizedSpectrum, stokes: mi.Vector3f) -> mi.Spectrum:
+    """Return radiance as Mitsuba has it: in polarised variants what unpolarised light becomes."""
+    if not mi.is_polarized:
+        return radiance
+    matrix = mi.Spectrum(0)
+    for row, share in enumerate([mi.Float(1), *stokes]):
+        matrix[row, 0] = radiance * share
+    return matrix
+
+
+def _as_rgb(value: mi.UnpolarizedSpectrum) -> mi.Color3f:
     """Return a colour that a denoiser can take: of a spectrum its mean."""
     return value if dr.size_v(value) == 3 else mi.Color3f(mean_of(value))
 

@@ -3,6 +3,10 @@
 Light from the camera is followed backwards as a field of one polarisation: that of the filter before the
 camera, or one drawn evenly of all, which in the mean is unpolarised light. Fields are complex vectors across
 the ray, of length 1; they go as exp(i (k . r - ω t)).
+
+What a path brings of light of a drawn state tells Stokes' vector of what arrives: of states even over
+Poincaré's sphere, s, the light L(s) = L (1 + s . S) that a filter for each lets through, twice, has the mean
+L, and 3 s L(s) has L S.
 """
 
 from __future__ import annotations
@@ -71,8 +75,8 @@ class Filters:
         #: What all filters together leave of unpolarised light that nothing else polarises.
         self.leaves = 0.5 ** sum(axis is not None for axis in (analyser, polariser))
 
-    def begins(self, d: mi.Vector3f, first: mi.Bool, u: mi.Float) -> Field:
-        """Return the field that a path is followed with.
+    def begins(self, d: mi.Vector3f, first: mi.Bool, state: mi.Point2f) -> Field:
+        """Return the field that a path is followed with: of the filter, or of any state.
 
         Parameters
         ----------
@@ -80,15 +84,38 @@ class Filters:
             Its direction.
         first : Bool
             Whether it comes straight from the camera; the light of others is unpolarised.
-        u : Float
-            A number in [0, 1).
+        state : Point2f
+            Numbers in [0, 1): where on Poincaré's sphere.
         """
         frame = mi.Frame3f(d)
-        s, c = dr.sincos(dr.pi * u)
-        axis = c * frame.s + s * frame.t
+        s, c = dr.sincos(dr.pi * state.x)
+        # Axes of the ellipse
+        long, short = c * frame.s + s * frame.t, c * frame.t - s * frame.s
+        s, c = dr.sincos(0.5 * dr.safe_asin(2 * state.y - 1))
+        field = Field(c * long, s * short)
         if self._analyser is not None:
-            axis = dr.select(first, _across(self._analyser, d), axis)
-        return Field.linear(axis)
+            field = dr.select(first, Field.linear(_across(self._analyser, d)), field)
+        return field
+
+    def stokes(self, field: Field, d: mi.Vector3f, polarises: mi.Bool) -> mi.Vector3f:
+        """Return the last three of Stokes' parameters of a path from the camera, by the first.
+
+        Parameters
+        ----------
+        field : Field
+            What `begins` told.
+        d : Vector3f
+            The path's direction; they are told in Mitsuba's basis of light that goes against it
+            (``mitsuba.mueller.stokes_basis``).
+        polarises : Bool
+            Whether anything that polarises light has been met.
+        """
+        x = mi.mueller.stokes_basis(-d)
+        of_x, of_y = field.along(x), field.along(dr.cross(x, d))
+        both = of_x * dr.conj(of_y)
+        s = mi.Vector3f(dr.squared_norm(of_x) - dr.squared_norm(of_y), 2 * dr.real(both), -2 * dr.imag(both))
+        # Behind the camera's filter all light has its state
+        return s if self._analyser is not None else dr.select(polarises, 3 * s, 0)
 
     def passes(self, field: Field, d: mi.Vector3f) -> mi.Float:
         """Return what the filter before a light leaves of a path, by what it leaves of unpolarised light."""
@@ -154,12 +181,12 @@ def at_interface(
 
 
 def mirrored(
-    field: Field, d: mi.Vector3f, n: mi.Vector3f, cos_air: mi.Float, eta: mi.Spectrum
-) -> tuple[mi.Spectrum, Field]:
+    field: Field, d: mi.Vector3f, n: mi.Vector3f, cos_air: mi.Float, eta: mi.UnpolarizedSpectrum
+) -> tuple[mi.UnpolarizedSpectrum, Field]:
     """Return what a surface mirrors of light from outside, of each index, and the field of the first."""
     d_back = d + 2 * cos_air * n
     found = [at_interface(field, d, n, cos_air, dr.rcp(index), d_back, d) for index in eta]
-    return mi.Spectrum([share for share, *_ in found]), found[0][1]
+    return mi.UnpolarizedSpectrum([share for share, *_ in found]), found[0][1]
 
 
 def refracted_field(

@@ -5,7 +5,16 @@ from __future__ import annotations
 import drjit as dr
 import mitsuba as mi
 
-__all__ = ["FIRST_NM", "LAST_NM", "N_ROWS", "mean_of", "parting_colour", "row_of", "tabulated"]
+__all__ = [
+    "FIRST_NM",
+    "LAST_NM",
+    "N_ROWS",
+    "mean_of",
+    "parting_colour",
+    "row_of",
+    "tabulated",
+    "unpolarised",
+]
 
 #: Where materials are tabulated [nm]: Mitsuba's range of wavelengths, in steps of 1 nm. Diamond's index
 #: between two rows is linear to 2e-7.
@@ -13,7 +22,12 @@ FIRST_NM, LAST_NM = 360, 830
 N_ROWS = LAST_NM - FIRST_NM + 1
 
 
-def mean_of(spectrum: mi.Spectrum) -> mi.Float:
+def unpolarised(value: mi.Spectrum) -> mi.UnpolarizedSpectrum:
+    """Return what is left of unpolarised light, of a Mueller matrix: in other variants all."""
+    return mi.unpolarized_spectrum(value) if mi.is_polarized else value
+
+
+def mean_of(spectrum: mi.UnpolarizedSpectrum) -> mi.Float:
     """Return the mean over the channels.
 
     `dr.mean` writes the number of lanes into the kernel: pictures of each size would have their own.

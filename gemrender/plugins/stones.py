@@ -9,7 +9,7 @@ import numpy as np
 from gemrender.plugins.checks import RAY_OFFSET, SceneCheck, is_stone
 from gemrender.plugins.crystals import Crystals
 from gemrender.plugins.polarisation import Filters
-from gemrender.plugins.spectra import N_ROWS, mean_of, parting_colour, row_of, tabulated
+from gemrender.plugins.spectra import N_ROWS, mean_of, parting_colour, row_of, tabulated, unpolarised
 from gemrender.scene.convex import PlacedSolid
 from gemrender.scene.shapes import FLAT
 
@@ -116,36 +116,38 @@ class Stones:
 
     # ---- Material ----
 
-    def index(self, stone: mi.UInt32, wavelengths: mi.Spectrum, active: mi.Bool) -> mi.Spectrum:
+    def index(
+        self, stone: mi.UInt32, wavelengths: mi.UnpolarizedSpectrum, active: mi.Bool
+    ) -> mi.UnpolarizedSpectrum:
         """Return the relative index of each channel."""
         return self._look_up(self.indices, stone, wavelengths, active)
 
     def transmittance(
-        self, stone: mi.UInt32, wavelengths: mi.Spectrum, distance: mi.Float, active: mi.Bool
-    ) -> mi.Spectrum:
+        self, stone: mi.UInt32, wavelengths: mi.UnpolarizedSpectrum, distance: mi.Float, active: mi.Bool
+    ) -> mi.UnpolarizedSpectrum:
         """Return the share that a way inside leaves, by Beer and Lambert."""
         if not self.any_absorbs:
-            return mi.Spectrum(1)
+            return mi.UnpolarizedSpectrum(1)
         coefficient = self._look_up(self.absorption, stone, wavelengths, active)
         return dr.exp(-coefficient * dr.maximum(distance, 0))
 
     def transmittance_of_mode(
         self,
         stone: mi.UInt32,
-        wavelengths: mi.Spectrum,
+        wavelengths: mi.UnpolarizedSpectrum,
         counts: mi.Vector3f,
         distance: mi.Float,
         active: mi.Bool,
-    ) -> mi.Spectrum:
+    ) -> mi.UnpolarizedSpectrum:
         """Return the same of a birefringent stone, of a mode that absorbs as `waves.Mode` tells."""
         if not self.crystals.any_absorbs:
-            return mi.Spectrum(1)
+            return mi.UnpolarizedSpectrum(1)
         channels = self._nm_of_channels(stone, wavelengths, active)
         values = self.crystals.transmittance(stone, channels, counts, distance, active)
-        return mi.Spectrum(values if mi.is_spectral else values[0])
+        return mi.UnpolarizedSpectrum(values if mi.is_spectral else values[0])
 
     def nm_of(
-        self, stone: mi.UInt32, wavelengths: mi.Spectrum, channel: mi.UInt32, active: mi.Bool
+        self, stone: mi.UInt32, wavelengths: mi.UnpolarizedSpectrum, channel: mi.UInt32, active: mi.Bool
     ) -> mi.Float:
         """Return the wavelength of a channel [nm]."""
         if mi.is_spectral:
@@ -161,10 +163,10 @@ class Stones:
     @property
     def n_ways(self) -> int:
         """How many wavelengths go on where they part: in spectral variants all of them."""
-        return len(mi.Spectrum()) if mi.is_spectral and self.any_parts else 1
+        return len(mi.UnpolarizedSpectrum()) if mi.is_spectral and self.any_parts else 1
 
     @staticmethod
-    def alive(spectrum: mi.Spectrum) -> mi.UInt32:
+    def alive(spectrum: mi.UnpolarizedSpectrum) -> mi.UInt32:
         """Return the channel of a path whose wavelengths have parted: the one that is left."""
         channel = mi.UInt32(0)
         for k in range(1, len(spectrum)):
@@ -172,7 +174,7 @@ class Stones:
         return channel if mi.is_spectral else mi.UInt32(0)
 
     @staticmethod
-    def of_channel(spectrum: mi.Spectrum, channel: mi.UInt32) -> mi.Float:
+    def of_channel(spectrum: mi.UnpolarizedSpectrum, channel: mi.UInt32) -> mi.Float:
         """Return the value of a channel: in spectral variants of that given, else of the first."""
         value = mi.Float(spectrum[0])
         if mi.is_spectral:
@@ -180,35 +182,39 @@ class Stones:
                 value = dr.select(channel == k, spectrum[k], value)
         return value
 
-    def only(self, throughput: mi.Spectrum, channel: mi.UInt32, part: mi.Bool) -> mi.Spectrum:
+    def only(
+        self, throughput: mi.UnpolarizedSpectrum, channel: mi.UInt32, part: mi.Bool
+    ) -> mi.UnpolarizedSpectrum:
         """Return the throughput of a channel alone, where wavelengths part."""
-        alone = mi.Spectrum(throughput)
+        alone = mi.UnpolarizedSpectrum(throughput)
         if mi.is_spectral and self.any_parts:
             for k in range(len(alone)):
                 alone[k] = dr.select(~part | (channel == k), throughput[k], 0)
         return alone
 
-    def first_for_all(self, throughput: mi.Spectrum, part: mi.Bool) -> mi.Spectrum:
+    def first_for_all(self, throughput: mi.UnpolarizedSpectrum, part: mi.Bool) -> mi.UnpolarizedSpectrum:
         """Return a throughput of which, where wavelengths part, the first is left and stands for all."""
-        alone = mi.Spectrum(throughput * self.parting_weight())
+        alone = mi.UnpolarizedSpectrum(throughput * self.parting_weight())
         if self.n_ways > 1:
-            alone = mi.Spectrum(self.n_ways * throughput[0], *([0] * (self.n_ways - 1)))
+            alone = mi.UnpolarizedSpectrum(self.n_ways * throughput[0], *([0] * (self.n_ways - 1)))
         return dr.select(part, alone, throughput)
 
-    def parting_weight(self) -> mi.Spectrum:
+    def parting_weight(self) -> mi.UnpolarizedSpectrum:
         """Return what the channels are multiplied by where wavelengths part."""
-        return mi.Spectrum(self.colour) if mi.is_rgb and self.any_parts else mi.Spectrum(1)
+        return (
+            mi.UnpolarizedSpectrum(self.colour) if mi.is_rgb and self.any_parts else mi.UnpolarizedSpectrum(1)
+        )
 
     def enter(
         self,
-        entering: mi.Spectrum,
-        eta: mi.Spectrum,
+        entering: mi.UnpolarizedSpectrum,
+        eta: mi.UnpolarizedSpectrum,
         d: mi.Vector3f,
         n: mi.Vector3f,
         cos_air: mi.Float,
         channel: mi.UInt32,
         part: mi.Bool,
-    ) -> tuple[mi.Spectrum, mi.Float, mi.Vector3f]:
+    ) -> tuple[mi.UnpolarizedSpectrum, mi.Float, mi.Vector3f]:
         """Return throughput, index and direction of a wavelength that enters a stone.
 
         Parameters
@@ -226,20 +232,22 @@ class Stones:
         cos_stone = dr.safe_sqrt(1 - (1 - dr.square(cos_air)) / dr.square(index))
         return throughput, index, refracted(d, n, cos_air, cos_stone, 1 / index)
 
-    def weight(self, throughput: mi.Spectrum, split: mi.Bool) -> mi.Float:
+    def weight(self, throughput: mi.UnpolarizedSpectrum, split: mi.Bool) -> mi.Float:
         """Return a throughput inside, as Russian roulette takes it: of one of many ways as if all went it."""
         mean = mean_of(throughput)
         return dr.select(split, self.n_ways * mean, mean)
 
     def _look_up(
-        self, table: mi.Float, stone: mi.UInt32, wavelengths: mi.Spectrum, active: mi.Bool
-    ) -> mi.Spectrum:
+        self, table: mi.Float, stone: mi.UInt32, wavelengths: mi.UnpolarizedSpectrum, active: mi.Bool
+    ) -> mi.UnpolarizedSpectrum:
         """Read a material's table at the wavelength of each channel."""
         channels = self._nm_of_channels(stone, wavelengths, active)
         values = [tabulated(table, stone * N_ROWS, row_of(nm), active) for nm in channels]
-        return mi.Spectrum(values if mi.is_spectral else values[0])
+        return mi.UnpolarizedSpectrum(values if mi.is_spectral else values[0])
 
-    def _nm_of_channels(self, stone: mi.UInt32, wavelengths: mi.Spectrum, active: mi.Bool) -> list[mi.Float]:
+    def _nm_of_channels(
+        self, stone: mi.UInt32, wavelengths: mi.UnpolarizedSpectrum, active: mi.Bool
+    ) -> list[mi.Float]:
         """Return the wavelength of each channel [nm]: in variants that are not spectral, of all together."""
         if mi.is_spectral:
             return list(wavelengths)
@@ -248,15 +256,15 @@ class Stones:
         return [self.path_nm]
 
     def one_wavelength(
-        self, throughput: mi.Spectrum, eta: mi.Spectrum, part: mi.Bool, chance: mi.PCG32
-    ) -> tuple[mi.Spectrum, mi.Float]:
+        self, throughput: mi.UnpolarizedSpectrum, eta: mi.UnpolarizedSpectrum, part: mi.Bool, chance: mi.PCG32
+    ) -> tuple[mi.UnpolarizedSpectrum, mi.Float]:
         """Return throughput and index of a path that goes on with one wavelength, drawn where they part."""
         if not mi.is_spectral:
-            return mi.Spectrum(throughput), mi.Float(eta[0])
+            return mi.UnpolarizedSpectrum(throughput), mi.Float(eta[0])
         n = len(eta)
         drawn = dr.minimum(mi.UInt32(chance.next_float32() * n), n - 1)
         channel = dr.select(part, drawn, self.alive(throughput))
-        index, out = mi.Float(eta[0]), mi.Spectrum(throughput)
+        index, out = mi.Float(eta[0]), mi.UnpolarizedSpectrum(throughput)
         for k in range(n):
             index = dr.select(channel == k, eta[k], index)
             out[k] = dr.select(part, dr.select(channel == k, n * throughput[k], 0), throughput[k])
@@ -300,7 +308,7 @@ class Stones:
         """Return where the next query starts, for a point on the surface."""
         return p if self.by_planes else mi.Point3f(p - RAY_OFFSET * self.size * n)
 
-    def outside(self, ray: mi.Ray3f, active: mi.Bool) -> tuple[mi.Bool, mi.Spectrum]:
+    def outside(self, ray: mi.Ray3f, active: mi.Bool) -> tuple[mi.Bool, mi.UnpolarizedSpectrum]:
         """Look along a ray that has left a stone.
 
         Returns
@@ -310,12 +318,12 @@ class Stones:
         """
         if self.alone:
             if self.environment is None:
-                return mi.Bool(False), mi.Spectrum(0)
+                return mi.Bool(False), mi.UnpolarizedSpectrum(0)
             si = dr.zeros(mi.SurfaceInteraction3f)
             si.wi, si.wavelengths = -ray.d, ray.wavelengths
-            return mi.Bool(False), self.environment.eval(si, active)
+            return mi.Bool(False), unpolarised(self.environment.eval(si, active))
         si = self.scene.ray_intersect(ray, mi.RayFlags.AllNonDifferentiable, False, active)
-        radiance = si.emitter(self.scene, active).eval(si, active)
+        radiance = unpolarised(si.emitter(self.scene, active).eval(si, active))
         return active & si.is_valid() & ~si.shape.is_emitter(), radiance
 
     def _compile(self, solids: list[PlacedSolid], n_stones: int) -> bool:
