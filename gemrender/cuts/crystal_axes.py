@@ -11,7 +11,14 @@ from gemrender.errors import InputError
 from gemrender.optics.crystals.frame import TABLE, frame_of_angles, frame_of_c_axis
 from gemrender.stone.orientation import Orientation
 
-__all__ = ["CRYSTAL_KEYS", "crystal_lines", "orientation", "parse_c_axis", "read_orientation"]
+__all__ = [
+    "CRYSTAL_KEYS",
+    "crystal_lines",
+    "orientation",
+    "orientation_values",
+    "parse_c_axis",
+    "read_orientation",
+]
 
 #: Keys of the section, of which a file has one.
 CRYSTAL_KEYS = ("c_axis", "angles")
@@ -68,12 +75,18 @@ def parse_c_axis(text: str) -> Any:
     return value
 
 
-def crystal_lines(crystal: Orientation) -> list[str]:
-    """Return the section [crystal] of a stone file that says how a crystal lies, with all digits."""
+def orientation_values(crystal: Orientation) -> dict[str, Any]:
+    """Return how a crystal lies as `read_orientation` takes it, with all digits: plain data."""
     key, value = crystal.key, crystal.value
     if not key:
         key, value = "angles", _angles_deg(crystal.array())
-    shown = f'"{value}"' if isinstance(value, str) else repr(list(value))
+    return {key: value if isinstance(value, str) else list(value)}
+
+
+def crystal_lines(crystal: Orientation) -> list[str]:
+    """Return the section [crystal] of a stone file that says how a crystal lies."""
+    ((key, value),) = orientation_values(crystal).items()
+    shown = f'"{value}"' if isinstance(value, str) else repr(value)
     return ["", "[crystal]", f"{key} = {shown}"]
 
 

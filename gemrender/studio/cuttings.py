@@ -1,8 +1,8 @@
 """What of a stone can be changed: sliders with a laboratory's words, and the stone that their values make.
 
 A cutting is plain data, so that a link can hold it: `{"family": ..., "values": {...}}`, or
-`{"design": text of an .asc file, "meets": ..., "values": {...}}`, or, where nothing but the stone itself is
-known, `{"stone": key on the shelf}`.
+`{"design": text of an .asc file, "meets": ..., "values": {...}}`, either with `"crystal": {...}` as a stone
+file has it, or, where nothing but the stone itself is known, `{"stone": key on the shelf}`.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from functools import lru_cache
 from typing import Any
 
 from gemrender.cuts.convert import design_of
+from gemrender.cuts.crystal_axes import orientation_values, read_orientation
 from gemrender.cuts.design import LARGEST_ANGLE, Design
 from gemrender.cuts.families import families
 from gemrender.cuts.families.family import Family
@@ -162,6 +163,8 @@ def opened(stone: Stone, key: str) -> Opened:
         cut, sliders = _design_cut(stone, design), tuple(_design_sliders(stone, design))
     else:
         cut, sliders = {"stone": key}, ()
+    if stone.crystal is not None and "stone" not in cut:
+        cut["crystal"] = orientation_values(stone.crystal)
     return Opened(cut=cut, sliders=sliders, name=stone.name, material=stone.material, size_mm=stone.size_mm)
 
 
@@ -322,6 +325,10 @@ def stone_of(
     if size_mm is not None and not (is_number(size_mm) and 0.0 < float(size_mm) < 1e4):  # type: ignore[arg-type]
         raise InputError("must be a number above 0 [mm]", key="size", value=size_mm)
     facts: dict[str, Any] = {"name": name, "material": of, "size_mm": size_mm}
+    if "crystal" in cut:
+        if not isinstance(cut["crystal"], Mapping):
+            raise InputError("must be c_axis or angles", key="crystal")
+        facts["crystal"] = read_orientation(cut["crystal"])
     values = cut.get("values", {})
     if not isinstance(values, Mapping) or len(values) > MOST_VALUES:
         raise InputError("must be values by name", key="values")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import queue
 import struct
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from refusals import refused
 from solids import star_prism
 
 import gemrender
+from gemrender.cuts.crystal_axes import orientation
 from gemrender.cuts.families import families
 from gemrender.studio.cuttings import family_cutting, opened, present_values, stone_of
 from gemrender.studio.desk import Desk
@@ -58,6 +60,24 @@ def test_an_opened_stone_is_made_again_from_its_cutting(name):
     made = Wanted.of(json.loads(json.dumps(told(name)))).stone({})
     assert made.facet_names == stone.facet_names
     assert np.abs(made.solid.planes - stone.solid.planes).max() < SAME
+
+
+@pytest.mark.parametrize("name", ["inoue-3", "oval-classic", "a design"])
+@pytest.mark.parametrize("lies", [{"c_axis": [1.0, 0.0, 2.0]}, {"angles": [10.0, 20.0, 30.0]}])
+def test_a_crystal_lies_as_before_when_a_cut_is_changed(name, lies):
+    design = saved(gemrender.load_stone("trilliant-solitaire"), "asc")
+    stone = dropped_stones("t.asc", design)[0] if name == "a design" else gemrender.load_stone(name)
+    stone = replace(stone, crystal=orientation(**lies))
+    made = stone_of(json.loads(json.dumps(opened(stone, "").cut)), {}, "changed", "sapphire")
+    assert made.crystal.axes == stone.crystal.axes
+
+
+@pytest.mark.parametrize(
+    "lies", ["table", {}, {"c_axis": "up"}, {"c_axis": [0, 0, 0]}, {"angles": [1, 2, "x"]}]
+)
+def test_a_crystal_that_lies_nowhere_is_refused(lies):
+    cut = {**family_cutting("oval").cut, "crystal": lies}
+    refused(lambda: stone_of(cut, {}, "new", "sapphire"), *lies if isinstance(lies, dict) else ["crystal"])
 
 
 @pytest.mark.parametrize("family", families())
