@@ -45,6 +45,7 @@ __all__ = [
     "observe",
     "observe_alike",
     "require_engine",
+    "split_crystal",
     "trace_paths",
 ]
 
@@ -248,17 +249,40 @@ def measure(
     from gemrender.beam import Budget
     from gemrender.beam import measure as by_beams
 
+    crystal = split_crystal(stone, model) if birefringence else None
     asked: Any = {
         "view": view, "model": model, "measures": measures, "head_deg": check_head(head), "zenith": zenith,
         "bound": bound, "seed": seed, "progress": progress, "budget": Budget(time_limit, memory_limit),
     }  # fmt: skip
-    if birefringence:
-        from gemrender.beam.modes import crystal_of, measure_modes
+    if crystal is not None:
+        from gemrender.beam.modes import measure_modes
 
-        crystal = crystal_of(stone, model)
-        if crystal is not None:
-            return measure_modes(stone, crystal, **asked)[0], view, model
+        return measure_modes(stone, crystal, **asked)[0], view, model
     return by_beams(stone, **asked), view, model
+
+
+def split_crystal(stone: Stone, model: Model) -> Any:
+    """Return the crystal that splits a stone's light, with the kernels for it ready; None where none does.
+
+    Parameters
+    ----------
+    stone : Stone
+        A convex stone.
+    model : Model
+        With the material's ordinary index; another one is of an isotropic stone.
+
+    Raises
+    ------
+    InputError
+        A material that there is not.
+    """
+    from gemrender.beam.modes import crystal_of
+    from gemrender.beam.modes.prepare import prepare_modes
+
+    crystal = crystal_of(stone, model)
+    if crystal is not None:
+        prepare_modes(crystal)
+    return crystal
 
 
 @spelt_out()

@@ -24,11 +24,11 @@ from gemrender.cuts import RoundBrilliant
 from gemrender.observation import Model, View
 from gemrender.stone import Stone
 
-__all__ = ["compile_rays", "damaged_cache_files", "is_compiled", "prepare"]
+__all__ = ["PREPARING", "compile_rays", "damaged_cache_files", "is_compiled", "prepare", "sample_stone"]
 
 
 #: Held by who makes kernels ready: other threads wait, and find them so.
-_PREPARING = threading.Lock()
+PREPARING = threading.Lock()
 
 
 def prepare(*, rays: bool = True) -> None:
@@ -39,16 +39,16 @@ def prepare(*, rays: bool = True) -> None:
     rays : bool
         Whether those of single rays too, which stones without a round girdle seldom need.
     """
-    with _PREPARING:
+    with PREPARING:
         _prepare(rays)
 
 
 @cache
 def _prepare(rays: bool) -> None:
     with _rays_compiled_beside() if rays and not is_compiled() else nullcontext():
-        trace_facets(_sample(), whole=False)
+        trace_facets(sample_stone(), whole=False)
     if rays:
-        measure(_sample(), bound=10.0)
+        measure(sample_stone(), bound=10.0)
 
 
 @contextmanager
@@ -74,7 +74,7 @@ def _rays_compiled_beside() -> Iterator[None]:
 
 def compile_rays() -> None:
     """Compile the kernels of single rays, and keep them on disk."""
-    convex, view, model = beam_stone(_sample()), View(resolution=1), Model()
+    convex, view, model = beam_stone(sample_stone()), View(resolution=1), Model()
     rays, points = ray_kernels.empty_rays(2), np.zeros((2, 4))[:, :2]  # as `rim_points` gives them
     ray_kernels.enter_rays(points, view.basis(), convex.solid, convex.facet, model.index, rays)
     ray_kernels.follow_rays(convex.solid, convex.facet, model.index, model.max_reflections, rays)
@@ -82,7 +82,7 @@ def compile_rays() -> None:
     rim.rim_points(covered, ends, convex.wedge(view), 1.0, 0.1, points[:, 0] + 0.0, points[:, 1])
 
 
-def _sample() -> Stone:
+def sample_stone() -> Stone:
     """Return a stone that every kernel is compiled by."""
     proportions = RoundBrilliant(
         table=57, star=50, lower_girdle_contact=20, crown_height=14.5, pavilion_depth=43, girdle_thickness=3

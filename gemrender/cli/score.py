@@ -22,8 +22,9 @@ from gemrender.cli.options import (
     output_option,
     prepare_engine,
     trace_options,
+    view_and_model,
 )
-from gemrender.cli.output import print_csv, print_records, progress_bar, say
+from gemrender.cli.output import patience, print_csv, print_records, progress_bar, say
 from gemrender.cli.stones import StoneOptions, load
 from gemrender.cli.values import choice_option, number_option
 from gemrender.errors import InputError
@@ -106,6 +107,15 @@ def score(
         measures = {**measures, "birefringence": True}
     loaded = load(given.stones, options, given.settings, of.material)
     prepare_engine(options, loaded.samples, out)
+    if birefringence:
+        from gemrender.engines import engine_for, split_crystal
+
+        with patience(
+            "the kernels of birefringent stones are compiled for this machine, once: half a minute"
+        ):
+            for stone in loaded.samples:
+                if engine_for(options["engine"], stone) == "exact":
+                    split_crystal(stone, view_and_model(stone, options)[1])
     started = time.monotonic()
     if observer == "stereo":
         if out is not None:

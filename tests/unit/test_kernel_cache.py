@@ -7,6 +7,7 @@ import queue
 import shutil
 import threading
 
+import numpy as np
 import pytest
 from numba.core.caching import NullCache
 from observations import run_python
@@ -195,3 +196,16 @@ def test_another_process_compiles_what_a_score_takes_of_rays():
     )
     done = run_python("-c", code)
     assert done.stdout == "True True\n", done.stderr
+
+
+def test_kernels_of_birefringent_stones_are_compiled_before_a_score():
+    from gemrender.beam.modes import measure_modes, optical_crystal, polygons, rays
+    from gemrender.beam.modes.prepare import prepare_modes
+
+    crystal = optical_crystal((1.76, 1.76, 1.77), np.eye(3))
+    prepare_modes(crystal)
+    kernels = [polygons.follow_modes, rays.enter_mode_rays, rays.start_mode_rays, rays.follow_mode_rays]
+    ready = [list(kernel.signatures) for kernel in kernels]
+    measure_modes(gemrender.load_stone("corundum-round"), crystal)
+    assert [list(kernel.signatures) for kernel in kernels] == ready
+    assert all(ready)
