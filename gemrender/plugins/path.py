@@ -7,6 +7,7 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 
+from gemrender.errors import InputError
 from gemrender.plugins.branches import NEGLIGIBLE, Branch, is_diffuse, split
 from gemrender.plugins.caustics import Caustics
 from gemrender.plugins.checks import SceneCheck
@@ -48,6 +49,12 @@ class PathIntegrator(mi.SamplingIntegrator):
      * - polariser
        - |vector|
        - The same of a filter before all lights. (Default: no filter)
+       -
+
+     * - right_analyser
+       - |vector|
+       - That of a right one of two windows, which pictures by ``gemrender render`` then show side by side;
+         ``analyser`` is the left one's. (Default: one window)
        -
 
      * - aovs
@@ -133,9 +140,12 @@ class PathIntegrator(mi.SamplingIntegrator):
         self.max_depth = whole_number(props, "max_depth", -1, least=-1)
         self.aovs = truth(props, "aovs", False)
         #: Axes of the polarising filters, unit vectors; None is no filter.
-        self.analyser, self.polariser = (
-            direction(props, key) if key in props else None for key in ("analyser", "polariser")
+        self.analyser, self.polariser, self.right_analyser = (
+            direction(props, key) if key in props else None
+            for key in ("analyser", "polariser", "right_analyser")
         )
+        if self.right_analyser is not None and self.analyser is None:
+            raise InputError("missing, beside right_analyser", key="analyser")
         self.scene_check = SceneCheck()
 
     def aov_names(self) -> list[str]:
@@ -189,11 +199,14 @@ class PathIntegrator(mi.SamplingIntegrator):
             return None
         return Caustics(scene, sensor, self.scene_check, self.max_depth)
 
-    def filters(self) -> Filters | None:
-        """Return the polarising filters; None where light's polarisation makes no difference."""
+    def filters(self, right: mi.Bool | None = None) -> Filters | None:
+        """Return the polarising filters; None where light's polarisation makes no difference.
+
+        `right` tells which paths begin in the right one of two windows; None is none of them.
+        """
         if self.analyser is None and self.polariser is None and not mi.is_polarized:
             return None
-        return Filters(self.analyser, self.polariser)
+        return Filters(self.analyser, self.polariser, self.right_analyser, right)
 
     def sample_with_aovs(
         self,
@@ -204,13 +217,15 @@ class PathIntegrator(mi.SamplingIntegrator):
         *,
         caustics: Caustics | None = None,
         modes_by: mi.Float | None = None,
+        right: mi.Bool | None = None,
     ) -> tuple[mi.UnpolarizedSpectrum, mi.Bool, list[mi.Float]]:
         """Return the radiance along a ray with the AOVs, whether `aovs` asks for them or not.
 
         With `caustics`, the light that these count is left out. `modes_by` are numbers in [0, 1), even over a
         pixel together with the places in it, that draw the modes in the first stone, if it is birefringent.
+        `right` is as of `filters`.
         """
-        return self._sample(scene, sampler, ray, active, caustics, modes_by)[:3]
+        return self._sample(scene, sampler, ray, active, caustics, modes_by, right)[:3]
 
     def to_string(self) -> str:
         """Describe the integrator in Mitsuba's manner."""
@@ -224,10 +239,11 @@ class PathIntegrator(mi.SamplingIntegrator):
         active: mi.Bool,
         caustics: Caustics | None = None,
         modes_by: mi.Float | None = None,
+        right: mi.Bool | None = None,
     ) -> tuple[mi.UnpolarizedSpectrum, mi.Bool, list[mi.Float], mi.Vector3f]:
         """Return what `sample_with_aovs` does, and Stokes' parameters as `Filters.stokes` does."""
         with dr.suspend_grad(), instances_held():
-            stones = Stones(scene, sampler, self.scene_check, self.filters())
+            stones = Stones(scene, sampler, self.scene_check, self.filters(right))
             radiance, valid, albedo, normal, stokes = self._radiance(
                 scene, stones, sampler, mi.Ray3f(ray), mi.Bool(active), caustics, modes_by
             )

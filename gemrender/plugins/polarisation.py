@@ -65,13 +65,22 @@ class Filters:
     analyser, polariser : (3,) array or None
         Axis of the filter before the camera, and of that before all lights, in the world; of light in another
         direction it is that across the light which is nearest to it. None is no filter.
+    right_analyser : (3,) array or None
+        Of the right one of two windows.
+    right : Bool or None
+        Which paths from the camera begin in the right one; None is none of them.
     """
 
-    def __init__(self, analyser: np.ndarray | None, polariser: np.ndarray | None) -> None:
-        self._analyser, self._polariser = (
-            None if axis is None else mi.Vector3f(*(dr.opaque(mi.Float, float(x)) for x in axis))
-            for axis in (analyser, polariser)
-        )
+    def __init__(
+        self,
+        analyser: np.ndarray | None,
+        polariser: np.ndarray | None,
+        right_analyser: np.ndarray | None = None,
+        right: mi.Bool | None = None,
+    ) -> None:
+        self._analyser, self._polariser = _axis(analyser), _axis(polariser)
+        if right is not None and right_analyser is not None:
+            self._analyser = dr.select(right, _axis(right_analyser), self._analyser)
         #: What all filters together leave of unpolarised light that nothing else polarises.
         self.leaves = 0.5 ** sum(axis is not None for axis in (analyser, polariser))
 
@@ -122,6 +131,10 @@ class Filters:
         if self._polariser is None:
             return mi.Float(1)
         return 2 * field.share(Field.linear(_across(self._polariser, d)))
+
+
+def _axis(axis: np.ndarray | None) -> mi.Vector3f | None:
+    return None if axis is None else mi.Vector3f(*(dr.opaque(mi.Float, float(x)) for x in axis))
 
 
 def _across(axis: mi.Vector3f, d: mi.Vector3f) -> mi.Vector3f:

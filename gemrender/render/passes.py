@@ -73,7 +73,10 @@ class Passes:
         scene.integrator().check(scene, self.sensor)
         self._pass_samples = pass_samples or lanes_at_once()
         self._tile_pixels = max(1, lanes_at_once() // _LEAST_SPP)
-        self.width, self.height = (int(n) for n in self.sensor.film().size())
+        #: Windows side by side that the picture is of: each is as wide as the film.
+        self._windows = 1 if scene.integrator().right_analyser is None else 2
+        width, self.height = (int(n) for n in self.sensor.film().size())
+        self.width = self._windows * width
         self.bins_nm = None if bins_nm is None else np.asarray(bins_nm, dtype=np.float64)
         n_bins = 0 if self.bins_nm is None else len(self.bins_nm) - 1
         #: X, Y, Z, albedo, normal (3 each), coverage; the same of stones and what stands
@@ -263,21 +266,27 @@ class Passes:
         nm = dr.minimum((nm + dr.floor(turn * lanes_of_nm)) / lanes_of_nm, dr.one_minus_epsilon(mi.Float))
         return pixel, samples, [x, y, nm, *others]
 
-    def _rays(self, pixel: Any, u: list[Any], wavelengths: Any) -> Any:
+    def _rays(self, pixel: Any, u: list[Any], wavelengths: Any) -> tuple[Any, Any]:
+        """Return rays, and which are of the right one of two windows; None where there is one."""
         import drjit as dr
         import mitsuba as mi
 
-        width = dr.opaque(mi.UInt32, self.width)
+        width, right = dr.opaque(mi.UInt32, self.width), None
         row = pixel // width
+        column = pixel - row * width
+        if self._windows == 2:
+            width = dr.opaque(mi.UInt32, self.width // 2)
+            right = column >= width
+            column -= dr.select(right, width, 0)
         if self.filter_radius > 0.5:
             dx, dy = (mi.warp.interval_to_tent(x) * self.filter_radius for x in u[:2])
         else:
             dx, dy = u[0] - 0.5, u[1] - 0.5
-        size = mi.Vector2f(*(dr.opaque(mi.Float, n) for n in (self.width, self.height)))
-        place = mi.Point2f(mi.Float(pixel - row * width) + 0.5 + dx, mi.Float(row) + 0.5 + dy) / size
+        size = mi.Vector2f(*(dr.opaque(mi.Float, n) for n in (self.width // self._windows, self.height)))
+        place = mi.Point2f(mi.Float(column) + 0.5 + dx, mi.Float(row) + 0.5 + dy) / size
         ray, _ = self.sensor.sample_ray_differential(0.0, 0.5, place, mi.Point2f(u[3], u[4]))
         ray.wavelengths = wavelengths
-        return ray
+        return ray, right
 
     def _traced(self, n: int, half: int) -> np.ndarray:
         """Return the mean radiance that n rays from the lights add, (pixels, channels) float32."""
@@ -297,9 +306,9 @@ class Passes:
 
         pixel, samples, u = self._samples(first, n, spp, self._counts[half], 2 * self.seed + half)
         nm, weight, response = self._draw(u[2])
-        ray = self._rays(pixel, u, nm)
+        ray, right = self._rays(pixel, u, nm)
         radiance, valid, aovs = self.scene.integrator().sample_with_aovs(
-            self.scene, samples, ray, caustics=self._caustics, modes_by=u[5]
+            self.scene, samples, ray, caustics=self._caustics, modes_by=u[5], right=right
         )
         xyz = [
             sum(L * w * r[k] for L, w, r in zip(radiance, weight, response, strict=True)) for k in range(3)
@@ -337,7 +346,7 @@ class Passes:
         import mitsuba as mi
 
         pixel = dr.arange(mi.UInt32, n) + dr.opaque(mi.UInt32, first)
-        rays = self._rays(pixel, [mi.Float(0.5)] * 5, mi.Spectrum(550.0))
+        rays, _ = self._rays(pixel, [mi.Float(0.5)] * 5, mi.Spectrum(550.0))
         found = self.scene.ray_intersect_preliminary(rays)
         return np.asarray(self._kind(found.shape, found.is_valid())).astype(np.uint8)
 
@@ -360,8 +369,10 @@ class Passes:
 
         pixel, samples, u = self._samples(first, n, spp, 0, 2 * (self.seed + seed))
         wavelengths = mi.Spectrum(dr.opaque(mi.Float, float(nm)))
-        ray = self._rays(pixel, u, wavelengths)
-        radiance, _, _ = self.scene.integrator().sample_with_aovs(self.scene, samples, ray, modes_by=u[5])
+        ray, right = self._rays(pixel, u, wavelengths)
+        radiance, _, _ = self.scene.integrator().sample_with_aovs(
+            self.scene, samples, ray, modes_by=u[5], right=right
+        )
         value = dr.mean(radiance)
         dr.eval(value)
         mean = dr.block_sum(value, spp) / spp

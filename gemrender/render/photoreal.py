@@ -208,7 +208,7 @@ def render(
     scene = photoreal_scene(
         gems,
         setup,
-        width=width,
+        width=setup.filters.window_width(width),
         height=height,
         dispersion=dispersion,
         birefringence=birefringence,

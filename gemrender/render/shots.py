@@ -231,6 +231,7 @@ def prepare(
     around = setup if isinstance(setup, Setup) else load_setup(_path("setup", setup))
     around = held(around, setting=setting, metal=metal, girdle=girdle)
     around = filtered(around, analyser=analyser, polariser=polariser)
+    around.filters.window_width(width_height[0])
     bins_nm = _bins(bins, range)
     if abs(_number("exposure", exposure) + around.exposure) > EV_LIMIT:
         allowed = f"must be from {-EV_LIMIT:g} to {EV_LIMIT:g} with the set-up's own, {around.exposure:g}"
@@ -287,7 +288,9 @@ def filtered(setup: Setup, *, analyser: float | None = None, polariser: float | 
     InputError
         An angle that is no number from -360 to 360.
     """
-    given = {key: x for key, x in (("analyser", analyser), ("polariser", polariser)) if x is not None}
+    given: dict[str, Any] = {
+        key: x for key, x in (("analyser", analyser), ("polariser", polariser)) if x is not None
+    }
     return replace(setup, filters=replace(setup.filters, **given)) if given else setup
 
 

@@ -303,6 +303,17 @@ def test_each_window_of_a_dichroscope_shows_one_colour(variant_llvm_ad_spectral)
         assert mean == pytest.approx(0.5 * (R + (1 - R) ** 2 * a / (1 - R * a)), rel=SLAB)
 
 
+def test_two_windows_show_what_each_filter_does_by_itself(variant_llvm_ad_spectral):
+    # Straight on, by one surface of each kind: no light is drawn by chance but the modes
+    across = {"analyser": [1.0, 0.0, 0.0], "right_analyser": [0.0, 1.0, 0.0]}
+    ruby = {"material": "ruby", "c_axis": [1.0, 0.0, 0.0]}
+    both, _ = Passes(scene_of(plate(), filters=across, **ruby), seed=6).radiance_at(550.0, 64)
+    assert both.shape == (32, 64)
+    for window, axis in zip((both[:, :32], both[:, 32:]), ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]), strict=True):
+        alone, _ = seen({"analyser": axis}, 550.0, **ruby)
+        assert window.mean() == pytest.approx(alone, rel=SLAB)
+
+
 def test_a_ground_girdle_loses_no_light_behind_a_filter(variant_llvm_ad_spectral):
     filters = {"analyser": [1.0, 0.0, 0.0]}
     scene = scene_of(load_stone("baguette-three"), half_width=0.3, filters=filters, girdle_alpha=0.4)

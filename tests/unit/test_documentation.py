@@ -208,7 +208,13 @@ def read_setup(text: str) -> None:
     gemrender.load_setup("setup.toml")
 
 
-RUN_HERE = ["README.md", "docs/from-python.md", "docs/in-mitsuba.md", "docs/settings.md"]
+RUN_HERE = [
+    "README.md",
+    "docs/birefringence.md",
+    "docs/from-python.md",
+    "docs/in-mitsuba.md",
+    "docs/settings.md",
+]
 
 
 @pytest.mark.parametrize("page", RUN_HERE)
@@ -218,6 +224,9 @@ def test_python_runs(page, pictures, folder, monkeypatch, capfd):
     monkeypatch.chdir(folder)
     if pictures and page == "docs/in-mitsuba.md":
         assert run(["scene", "inoue-3", "--out", "scenes", "--resolution", "32"]) == 0
+    if pictures and page == "docs/birefringence.md":
+        options = ["--material", "ruby", "--setup", "polariscope", "--size", "16", "--spp", "4"]
+        assert run(["scene", "corundum-round", *options, "--out", "scenes"]) == 0
     names: dict = {}
     for block in blocks_in("python"):
         if block.page == page:

@@ -19,9 +19,8 @@ from gemrender.scene.setup import Camera, Ground, Light, Setup, Sky, Zone, bundl
 from gemrender.scene.zones import layers
 
 BUNDLED = [
-    "arrows", "aset", "fire", "hand", "hearts", "hemisphere", "ideal-scope", "loupe", "macro", "polariscope",
-    "product",
-    "studio", "sun", "velvet", "white", "window",
+    "arrows", "aset", "dichroscope", "fire", "hand", "hearts", "hemisphere", "ideal-scope", "loupe", "macro",
+    "polariscope", "product", "studio", "sun", "velvet", "white", "window",
 ]  # fmt: skip
 SETUPS = Path(gemrender.__file__).parent.parent / "scenes" / "setups"
 
@@ -290,12 +289,19 @@ REFUSED = {
     "white": (f'white = "d66"\n{SKY}', f"white = 'd66': {_SPECTRUM}"),
     "white that is no number": (f"white = true\n{SKY}", f"white = True: {_SPECTRUM}"),
     # ---- Polarising filters ----
+    "windows without a filter": (
+        f"{SKY}[filters]\nwindows = 2", "filters.windows = 2: needs an analyser, that of the left one",
+    ),
+    "windows": (
+        f"{SKY}[filters]\nanalyser = 4\nwindows = 3", "filters.windows = 3: must be 1 or 2",
+    ),
     "filter": (
         f"{SKY}[filters]\nanalyser = 400", "filters.analyser = 400: must be a number from -360 to 360",
     ),
     "filter's key": (
         f"{SKY}[filters]\nanalyzer = 4",
-        "filters.analyzer = 4: unknown key; must be one of analyser, polariser; did you mean analyser?",
+        "filters.analyzer = 4: unknown key; must be one of analyser, polariser, windows; did you mean "
+        "analyser?",
     ),
     # ---- The camera ----
     "camera": (
