@@ -14,7 +14,8 @@ from gemrender.cuts import StoneLike, as_stone
 from gemrender.errors import InputError
 from gemrender.measurement import Measurement, MeasureValues, bound_text
 from gemrender.optics.fresnel import FRESNEL_LAWS, GUBELIN_INDEX
-from gemrender.optics.materials import INDEX_RANGE, refractive_index
+from gemrender.optics.material_files import refractive_index
+from gemrender.optics.materials import INDEX_RANGE
 from gemrender.shown import Shown, library, plots
 from gemrender.stone import Stone
 
@@ -138,6 +139,8 @@ class Model:
             try:
                 index = refractive_index(stone.material)
             except InputError as error:
+                if error.source is not None:  # a material's file
+                    raise
                 raise error.at(stone.source or stone.name, "material") from error
         if fresnel is None:
             fresnel = "gubelin" if index == GUBELIN_INDEX else "exact"

@@ -157,11 +157,13 @@ def load(
                 step(i, "loading")(1.0)
     if material is not None:
         from gemrender.cuts.stones import OfMaterial
-        from gemrender.optics.materials import refractive_index
+        from gemrender.optics.material_files import refractive_index
 
         try:
             refractive_index(material)
         except InputError as error:
+            if error.source is not None:
+                raise
             raise InputError(error.allowed, key="material", value=material) from error
         parts = [OfMaterial(part, material) for part in parts]
     loaded = LoadedStones(names, parts)

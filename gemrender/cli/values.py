@@ -181,7 +181,7 @@ def material_option(words: str, **settings: Any) -> Any:
     return typer.Option(
         "--material",
         parser=parse,
-        metavar="NAME|INDEX",
+        metavar="NAME|FILE|INDEX",
         help=words,
         autocompletion=complete_materials,
         **settings,

@@ -18,7 +18,7 @@ from gemrender.cuts.mesh_files import MESH_KINDS, write_mesh
 from gemrender.cuts.round_girdle import girdle_planes
 from gemrender.cuts.tiers import gear_of, tiers_of
 from gemrender.errors import InputError
-from gemrender.optics.materials import refractive_index
+from gemrender.optics.material_files import refractive_index
 from gemrender.reading import located_at
 from gemrender.stone.polyhedron import interior_point
 from gemrender.stone.solid import ROUND_PIECES, ConvexSolid

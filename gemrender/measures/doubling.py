@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gemrender.measures.measure import Light, Measure
-from gemrender.optics.material_files import load_material
-from gemrender.optics.materials import refractive_index
+from gemrender.optics.material_files import load_material, refractive_index
 
 __all__ = ["Doubling"]
 

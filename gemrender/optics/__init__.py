@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from gemrender.optics.fresnel import FRESNEL_LAWS, critical_angle_deg, transmittance
 from gemrender.optics.material import Material, carat_to_girdle_diameter_mm
-from gemrender.optics.material_files import load_material
+from gemrender.optics.material_files import load_material, refractive_index
 from gemrender.optics.material_sheet import MaterialSheet, material_sheet
 from gemrender.optics.material_text import material_template
-from gemrender.optics.materials import material_names, refractive_index
+from gemrender.optics.materials import material_names
 
 __all__ = [
     "FRESNEL_LAWS",

@@ -13,10 +13,10 @@ from typing import Any
 from gemrender.errors import GemrenderWarning, InputError
 from gemrender.mistakes import Mistakes
 from gemrender.optics.crystals.crystal import Crystal
-from gemrender.optics.dispersion import Dispersion, Formula
+from gemrender.optics.dispersion import SODIUM_NM, Dispersion, Formula
 from gemrender.optics.index_checks import check_index
 from gemrender.optics.material import Material, checked_density, checked_range
-from gemrender.optics.materials import find_material, material_names, normal_name
+from gemrender.optics.materials import find_material, material_names, named_index, normal_name
 from gemrender.optics.principal import ENDS
 from gemrender.optics.tabulated import Table
 from gemrender.reading import (
@@ -30,7 +30,7 @@ from gemrender.reading import (
     text_line,
 )
 
-__all__ = ["load_material"]
+__all__ = ["load_material", "refractive_index"]
 
 #: Longest line of a material file [characters], enough for 400 rows in one. It also keeps numbers printable:
 #: Python refuses to print integers of more than 4300 digits, and TOML's hexadecimal ones may have any number.
@@ -106,6 +106,30 @@ def load_material(material: str | os.PathLike[str] | float | None, *, warn: bool
     if warn:
         _warn(name, made)
     return made
+
+
+def refractive_index(material: str | os.PathLike[str] | float | None) -> float:
+    """Return the refractive index of a material at 589.3 nm, which scores are computed at.
+
+    Of a birefringent one it is that of the ordinary ray, or the middle one. Diamond, of whatever colour, has
+    the paper's 2.4173 (Peter's formula gives 2.41726).
+
+    Parameters
+    ----------
+    material : str, path-like, float or None
+        As of `load_material`.
+
+    Raises
+    ------
+    InputError
+        As for `load_material`, or an index outside `INDEX_RANGE`.
+    """
+    if isinstance(material, (str, os.PathLike)):
+        name = os.fspath(material)
+        if normal_name(name) not in material_names() and _is_path(name):
+            return float(load_material(name, warn=False).index(SODIUM_NM))
+        material = name
+    return named_index(material)
 
 
 def _warn(name: str, material: Material) -> None:

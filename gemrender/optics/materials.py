@@ -17,7 +17,7 @@ from gemrender.optics.principal import isotropic_absorption
 from gemrender.optics.tabulated import Table
 from gemrender.reading import did_you_mean
 
-__all__ = ["INDEX_RANGE", "find_material", "material_names", "normal_name", "refractive_index"]
+__all__ = ["INDEX_RANGE", "find_material", "material_names", "named_index", "normal_name"]
 
 _CHOSEN = "bands of the literature, strength chosen for about 1 carat"
 _COLOUR, _GRADE = f"body colour: {_CHOSEN}", f"colour grade: {_CHOSEN}"
@@ -236,7 +236,7 @@ def find_material(name: str, hint: str = "") -> Material:
     return _material(wanted)
 
 
-def refractive_index(material: str | float | None) -> float:
+def named_index(material: str | float | None) -> float:
     """Return the refractive index of a material at 589.3 nm, which scores are computed at.
 
     Diamond, of whatever colour, has the paper's 2.4173 (Peter's formula gives 2.41726).

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gemrender.errors import InputError
-from gemrender.optics.materials import refractive_index
+from gemrender.optics.materials import named_index
 from gemrender.report.displays import save_figure
 from gemrender.report.lettering import name_fonts
 from gemrender.stone import Stone
@@ -150,7 +150,7 @@ def _draw_limits(axes: Axes, shown: AtlasMap) -> str:
 
 
 def _is_diamond(shown: AtlasMap) -> bool:
-    return shown.index == refractive_index(None)
+    return shown.index == named_index(None)
 
 
 def _draw_cliffs(axes: Axes, shown: AtlasMap) -> bool:

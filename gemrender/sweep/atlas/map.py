@@ -10,7 +10,7 @@ import numpy as np
 
 from gemrender.cuts.families.family import Family
 from gemrender.errors import InputError
-from gemrender.optics.materials import refractive_index
+from gemrender.optics.materials import named_index
 from gemrender.reading import did_you_mean
 from gemrender.stone import Stone
 from gemrender.sweep.atlas.plan import STONES, VIEWS
@@ -216,7 +216,7 @@ def _index(atlas: xarray.Dataset, fixed: dict[str, float | str]) -> float | None
     if atlas.attrs["cut"] != ROUND_BRILLIANT or fixed.get("tilt"):
         return None
     material: Any = fixed.get("material", fixed.get("index", atlas.attrs["material"]))
-    return float(refractive_index(material))
+    return float(named_index(material))
 
 
 # ---- Cliffs --------------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ from gemrender.cuts.variations import Value, check_keys, parse_setting, settings
 from gemrender.engines import DEFAULT_BOUND, DEFAULT_HEAD, check_head
 from gemrender.errors import InputError
 from gemrender.measures import Measure, chosen_measures
-from gemrender.optics.materials import refractive_index
+from gemrender.optics.materials import named_index
 from gemrender.reading import located_at, parse_toml, read_lines, refuse_unknown, section, stem
 from gemrender.stone import Stone
 from gemrender.sweep.atlas.plan import CHUNK, MOST_CELLS, AtlasPlan
@@ -120,7 +120,7 @@ def _material(value: Any) -> str | float:
     if isinstance(value, bool) or not isinstance(value, (str, int, float)):
         raise InputError("must be the name of a material, or a refractive index", key="material", value=value)
     try:
-        refractive_index(value)
+        named_index(value)
     except InputError as error:
         raise InputError(error.allowed, key="material", value=value) from error
     return value if isinstance(value, str) else float(value)
