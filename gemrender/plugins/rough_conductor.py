@@ -41,7 +41,7 @@ class RoughConductor(mi.BSDF):
     shading at Imageworks", SIGGRAPH course, 2017), and F = M^2 A / (1 - M (1 - A)) what metal of a mean
     reflectance M leaves of it after a second bounce and more (Fdez-Aguera, "A multiple-scattering microfacet
     model for real-time image-based lighting", J. Comput. Graph. Tech. 8 (1), 2019). A mirror loses nothing,
-    and light and eye may change places.
+    and light and eye may change places. In polarised variants that light is unpolarised.
 
     .. tabs::
         .. code-tab:: xml
@@ -60,8 +60,6 @@ class RoughConductor(mi.BSDF):
 
     def __init__(self, props: mi.Properties) -> None:
         super().__init__(props)
-        if mi.is_polarized:
-            raise InputError("takes unpolarised variants only", key="gem_rough_conductor", value=mi.variant())
         self.alpha = number(props, "alpha", 0.1)
         if not 0.01 <= self.alpha <= 1:
             raise InputError("must be from 0.01 to 1", key="alpha", value=self.alpha)
@@ -107,7 +105,7 @@ class RoughConductor(mi.BSDF):
         cos_i, cos_o = mi.Frame3f.cos_theta(si.wi), mi.Frame3f.cos_theta(wo)
         active &= (cos_i > 0) & (cos_o > 0) & ctx.is_enabled(mi.BSDFFlags.GlossyReflection, 0)
         spread = self._missing(si.wi) * self._missing(wo) * (dr.inv_pi * cos_o / (1 - self.average))
-        value = self.single.eval(ctx, si, wo, active) + self._left(si, active) * spread
+        value = self.single.eval(ctx, si, wo, active) + mi.depolarizer(self._left(si, active) * spread)
         return dr.select(active, value, 0)
 
     def pdf(
@@ -132,10 +130,10 @@ class RoughConductor(mi.BSDF):
         a, b = (dr.gather(mi.Float, self.missing, below + k) for k in (0, 1))
         return dr.fma(place - mi.Float(below), b - a, a)
 
-    def _left(self, si: mi.SurfaceInteraction3f, active: mi.Bool) -> mi.Spectrum:
+    def _left(self, si: mi.SurfaceInteraction3f, active: mi.Bool) -> mi.UnpolarizedSpectrum:
         """Return what of that light is left after all bounces but the first."""
         eta, k = self.eta.eval(si, active), self.k.eval(si, active)
-        left = mi.Spectrum(0)
+        left = mi.UnpolarizedSpectrum(0)
         for channel in range(len(left)):
             index = mi.Complex2f(eta[channel], k[channel])
             mean = mi.Float(0)  # over the squared cosine, which is over the hemisphere

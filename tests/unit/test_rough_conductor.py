@@ -22,7 +22,8 @@ SINGLE = 1e-5
 def interaction(cos, n=1):
     si = dr.zeros(mi.SurfaceInteraction3f, n)
     si.wi = mi.Vector3f(float(np.sqrt(1 - cos * cos)), 0, cos)
-    si.wavelengths = mi.Spectrum(550.0)
+    if mi.is_spectral:
+        si.wavelengths = mi.Spectrum(550.0)
     return si
 
 
@@ -39,6 +40,12 @@ def test_a_mirror_of_any_roughness_reflects_all(variant_llvm_ad_spectral, alpha,
     si, ctx = interaction(cos, N_DRAWN), mi.BSDFContext()
     _, weight = rough.sample(ctx, si, *numbers())
     assert np.mean(weight) == pytest.approx(1, abs=DRAWN)
+
+
+def test_a_mirror_reflects_all_of_unpolarised_light_in_polarised_variants(variant_llvm_ad_mono_polarized):
+    rough = mi.load_dict({"type": "gem_rough_conductor", "alpha": 0.4})
+    _, weight = rough.sample(mi.BSDFContext(), interaction(0.5, N_DRAWN), *numbers())
+    assert np.mean(mi.unpolarized_spectrum(weight)) == pytest.approx(1, abs=DRAWN)
 
 
 @pytest.mark.parametrize("alpha", ROUGHNESSES)
