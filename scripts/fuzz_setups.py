@@ -186,7 +186,9 @@ def random_setup(rng: np.random.Generator, folder: Path) -> Setup:
                 white=_spectrum(rng),
                 expose_for=str(rng.choice(EXPOSURES)),
                 curve=str(rng.choice(tuple(CURVES))),
-                filters=Filters(analyser=_filter(turned), polariser=_filter(turned)),
+                filters=Filters(
+                    analyser=_filter(turned), polariser=_filter(turned), windows=1 + (turned.random() < 0.2)
+                ),
             )
         except InputError:  # no light, or a lens that focuses behind itself
             continue
