@@ -35,6 +35,8 @@ __all__ = [
 DEFAULT_SIZE_MM = 6.5
 #: Cubic millimetres times g/cm3 are milligrams; so many make a carat.
 _CARAT_MG = 200.0
+#: So many neighbouring teeth of an index wheel are told by the first and the last.
+_MANY = 8
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -277,6 +279,9 @@ def _angle(tier: TierFigures) -> str:
 
 
 def _index_text(tier: TierFigures) -> str:
+    indices = sorted(tier.indices or ())
+    if len(indices) >= _MANY and indices == [indices[0] + k for k in range(len(indices))]:
+        return f"{indices[0]:.6g} to {indices[-1]:.6g}"  # a round girdle in level facets
     return "-".join(f"{index:.6g}" for index in tier.indices or ())
 
 

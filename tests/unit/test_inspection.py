@@ -20,6 +20,7 @@ from gemrender.report.inspection import (
 )
 from gemrender.report.measured import measured_dimensions
 from gemrender.stone import Facet, Stone, convex_solid, in_frame, side_of
+from gemrender.studio.texts import dropped_stones, saved
 
 TRUTH = json.loads((FOLDER / "truth.json").read_text(encoding="utf-8"))
 #: Designs give distances with eight decimals.
@@ -120,6 +121,13 @@ def test_tiers_are_those_of_the_file():
     assert [tier.side for tier in found.tiers] == sorted(
         (tier.side for tier in found.tiers), key=["crown", "girdle", "pavilion"].index
     )
+
+
+def test_a_round_girdle_in_facets_does_not_list_every_tooth():
+    (of,) = dropped_stones("round.asc", saved(load_stone("quartz-round"), "asc"))
+    rows = [row for table in inspection_tables([inspect_stone(of)]) for row in table.rows]
+    (girdle,) = (row for row in rows if row[:2] == ["girdle", "girdle"])
+    assert girdle[-1] == "1 to 96"
 
 
 def test_tilted_facets_have_a_range_of_angles():
