@@ -46,6 +46,8 @@ class Shot:
         Width by height.
     share : float
         Its size, as a share of that of photographs.
+    effort : int
+        So many times the samples of others.
     """
 
     setup: str
@@ -57,6 +59,7 @@ class Shot:
     curve: str | None = None
     aspect: float = 1.0
     share: float = 1.0
+    effort: int = 1
 
 
 def instrument(setup: str, *stones: str, aspect: float = 1.0) -> Shot:
@@ -78,7 +81,7 @@ PHOTOGRAPHS = {
     "pendant": Shot(setup="velvet", stones=("pear-classic",), setting="pendant", metal="gold"),
     "fire": Shot(setup="fire"),
     "asscher": Shot(setup="loupe", stones=("asscher-ideal",)),
-    "moissanite": Shot(setup="macro", stones=("oval-classic",), material="moissanite"),
+    "moissanite": Shot(setup="macro", stones=("oval-classic",), material="moissanite", effort=3),
     "sun": Shot(setup="sun", stones=("marquise-classic",)),
 }
 INSTRUMENTS = {
@@ -157,7 +160,7 @@ def rendered(shot: Shot, options: Options) -> Picture:
         setting=shot.setting,
         metal=shot.metal,
         size=(width, round(width / shot.aspect)),
-        spp=options.samples,
+        spp=shot.effort * options.samples,
         seed=options.seed,
         dispersion=shot.dispersion,
         curve=shot.curve,
