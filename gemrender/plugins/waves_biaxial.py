@@ -45,7 +45,8 @@ def biaxial(facet: Facet, axes: list[mi.Vector3f], principal: mi.Vector3f) -> tu
     a = _unit([x - along * y for x, y in zip(a, b, strict=True)])
     c = [b[(i + 1) % 3] * a[(i + 2) % 3] - b[(i + 2) % 3] * a[(i + 1) % 3] for i in range(3)]
     inward, outward = _roots(_quartic(κ, a, b, ε))
-    made = [[_wave(k_n, κ, (a, c, b), ε) for k_n in pair] for pair in (outward, inward)]
+    kind = type(facet.n)
+    made = [[_wave(k_n, κ, (a, c, b), ε, kind) for k_n in pair] for pair in (outward, inward)]
     return tuple((fast, slow) for fast, slow in made)
 
 
@@ -151,7 +152,7 @@ def _sorted(pairs: list[list[Any]]) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
     return (fast_in, slow_in), (fast_out, slow_out)
 
 
-def _wave(k_n: Any, κ: Any, frame: tuple[list[Any], list[Any], list[Any]], ε: list[Any]) -> Wave:
+def _wave(k_n: Any, κ: Any, frame: tuple[list[Any], list[Any], list[Any]], ε: list[Any], kind: Any) -> Wave:
     """Return the wave of a wave vector; its field is what k k^T - k^2 + ε takes to 0."""
     t, s, n = frame
     k = [κ * x + k_n * y for x, y in zip(t, n, strict=True)]
@@ -184,4 +185,4 @@ def _wave(k_n: Any, κ: Any, frame: tuple[list[Any], list[Any], list[Any]], ε: 
     ]
     rate = dr.rsqrt(dr.maximum(sum(dr.square(x) for x in flow), 1e-300))
     absorbs = [dr.sqrt(x) * dr.squared_norm(e) * rate for x, e in zip(ε, field, strict=True)]
-    return Wave(k_n, e_t, e_s, h_t, h_s, mi.Vector3f(*(x * rate for x in flow)), mi.Vector3f(*absorbs))
+    return Wave(k_n, e_t, e_s, h_t, h_s, kind(*(x * rate for x in flow)), kind(*absorbs))
