@@ -395,10 +395,10 @@ def observe_sets(
     progress: Callable[[float], None] | None = None,
     **short: Unpack[ShortForms],
 ) -> Iterator[Observation]:
-    """Yield observations of independent sets of random rays by Mitsuba, which the whole view's pixels share.
+    """Yield observations of independent sets of random rays by Mitsuba.
 
-    Each set has a ray in every pixel of a view of so many fewer that all sets together have about the rays of
-    the view that was asked for. Options and errors are those of `observe`; see
+    Each set sees all of the view, in so many fewer pixels that all sets together have about as many rays as
+    the view that was asked for has pixels. Options and errors are those of `observe`; see
     `gemrender.render.observe.observe_sets`.
     """
     view, model = resolve(stone, view, model, short)

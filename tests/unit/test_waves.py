@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gemrender.optics.crystals import Indicatrix, shares_entering, shares_inside
+from gemrender.optics.crystals import Indicatrix, optic_axes, shares_entering, shares_inside
 from gemrender.render.backend import ensure_variant
 
 #: Shares of energy and directions in single precision.
@@ -98,6 +98,30 @@ def test_what_enters_is_what_would_leave(kind: str, within: float) -> None:
         _differ(0.5 * np.array(kernel.passed[mode]), reference.transmitted[:, mode], within)
         _differ(-np.array(kernel.out[mode].k).T, reference.k[:, mode], within)
         _differ(-np.array(kernel.out[mode].ray).T, reference.ray[:, mode], within)
+
+
+@pytest.mark.parametrize("within", [SINGLE, DOUBLE])
+@pytest.mark.parametrize("off", [0.0, 1e-12, 1e-9, 1e-5])
+def test_along_an_optic_axis_of_a_biaxial_crystal_the_index_is_the_middle_one(
+    within: float, off: float
+) -> None:
+    """Straight on, where both waves are one and so reflected by Fresnel's law; or next to that."""
+    indices = np.array([1.619, 1.622, 1.631])
+    crystal = Indicatrix.biaxial(*indices, np.eye(3))
+    axis = np.asarray(optic_axes(crystal)).reshape(-1, 3)[0]
+    across = np.cross(axis, [0.0, 1.0, 0.0])
+    n = axis + off * across / np.linalg.norm(across)
+    one = Indicatrix(indices[None], np.eye(3)[None], False)
+    kernel = _kernel("biaxial", one, np.zeros((1, 3)), n[None], within)
+    back = ((indices[1] - 1) / (indices[1] + 1)) ** 2
+    for mode in range(2):
+        assert np.array(kernel.passed[mode])[0] == pytest.approx(1 - back, abs=max(within, off))
+        assert sum(np.array(x)[0] for x in kernel.reflected[mode]) == pytest.approx(
+            back, abs=max(within, off)
+        )
+    # Fields at right angles: what one wave takes of unpolarised light the other leaves
+    first, second = (np.array(field.re)[:, 0] for field in kernel.fields)
+    assert abs(first @ second) < max(2e-7, off)
 
 
 def test_absorption_counts_one_of_an_ordinary_wave_and_between_of_the_other() -> None:
