@@ -1,14 +1,16 @@
-"""How far two tracers agree on the same rays."""
+"""How far two tracers agree: on the same rays, or in the mean where each has rays of its own."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-from gemrender.scoring import Band, score_pixels
+from gemrender.scoring import Band, Score, score, score_pixels
 
 if TYPE_CHECKING:
     from gemrender.observation import Observation
+    from gemrender.stone import Stone
 
 __all__ = [
     "LEAST_SAME_EXIT",
@@ -18,8 +20,12 @@ __all__ = [
     "MOST_INTENSITY_DIFFERENCE",
     "MOST_LOST",
     "MOST_REAR_DIFFERENCE",
+    "UNSEEN_RAYS",
     "CrossCheck",
+    "ScoreCheck",
+    "compare_scores",
     "crosscheck",
+    "crosscheck_scores",
 ]
 
 #: Share of rays with the same status and exit facet [%], among those that are reflected at most LONG_PATH
@@ -39,6 +45,9 @@ MOST_BAND_DIFFERENCE = 0.1
 MOST_INTENSITY_DIFFERENCE = 1e-3
 #: Share of rays lost to rounding [%]: one in 100 000.
 MOST_LOST = 1e-3
+#: Light of which so many random rays would be expected may be missed by all of them, where no scatter tells
+#: of it: with a probability of exp(-6.9), 0.1 %.
+UNSEEN_RAYS = 6.9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -160,3 +169,174 @@ def crosscheck(first: Observation, second: Observation) -> CrossCheck:
         seconds=(a.seconds, b.seconds),
         same_exit_short=100.0 * np.count_nonzero(same_exit & short) / (int(np.count_nonzero(short)) or 1),
     )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ScoreCheck:
+    """How the mean over random rays compares with an exact score; shares and differences in per cent.
+
+    Of a birefringent stone no two tracers can follow the same rays: in which mode one goes on is drawn.
+
+    Attributes
+    ----------
+    name : str
+        The stone's name.
+    engines : (str, str)
+        What traced the rays, and what the exact score.
+    rays : int
+        Rays that met the stone.
+    average, rear : float
+        Difference, first minus second, in Average and Rear [%].
+    bands : tuple of Band
+        Difference in the share of each band [%].
+    average_allowed, rear_allowed : float
+        How far each may differ [%]: by the exact score's bound, by what the scatter of the rays allows their
+        mean, and by what all of them may miss, each with a confidence of 99.9 %.
+    bands_allowed : tuple of float
+        The same of each band [%].
+    bound : float
+        The exact score's bound [%].
+    lost : float
+        Share of lost rays [%].
+    seconds : tuple of float
+        Time of the rays, and of the exact score [s].
+    """
+
+    name: str
+    engines: tuple[str, str]
+    rays: int
+    average: float
+    rear: float
+    bands: tuple[Band, ...]
+    average_allowed: float
+    rear_allowed: float
+    bands_allowed: tuple[float, ...]
+    bound: float
+    lost: float
+    seconds: tuple[float, float]
+
+    @property
+    def failures(self) -> list[str]:
+        """What lies outside the tolerances, each told in words; empty when all is well."""
+        bands = zip(self.bands, self.bands_allowed, strict=True)
+        differences = [
+            ("Average", self.average, self.average_allowed),
+            ("Rear", self.rear, self.rear_allowed),
+            *((f"the band from {band.low:g}", band.share, allowed) for band, allowed in bands),
+        ]
+        out = [
+            f"{what} differs by {difference:+.4f}, at most {allowed:.4f} is allowed"
+            for what, difference, allowed in differences
+            if not abs(difference) <= allowed  # NaN is none
+        ]
+        if not self.lost <= MOST_LOST:
+            out.append(f"{self.lost:.4f} % of rays are lost, at most {MOST_LOST:g} % may be")
+        return out
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the comparison for JSON."""
+        out = asdict(self)
+        bands = zip(self.bands, out.pop("bands_allowed"), strict=True)
+        out["bands"] = [
+            {"from": b.low, "to": b.high, "difference": b.share, "allowed": allowed} for b, allowed in bands
+        ]
+        out["failures"] = self.failures
+        return out
+
+
+def compare_scores(sets: Sequence[Score], exact: Score, *, rays: int) -> ScoreCheck:
+    """Compare the mean of scores of independent sets of rays with an exact score.
+
+    Parameters
+    ----------
+    sets : sequence of Score
+        Of `gemrender.measures.tally.SETS` sets, of about as many rays each.
+    exact : Score
+        The exact score, with its bound.
+    rays : int
+        Rays of all sets that met the stone.
+    """
+    import numpy as np
+
+    from gemrender.measures.tally import bounds_of_sets
+
+    def values(of: Score) -> list[float]:
+        return [of.average, of.rear, *(band.share for band in of.bands)]
+
+    found = np.array([values(of) for of in sets])
+    apart = (found.mean(axis=0) - values(exact)).tolist()
+    bound = exact.bound or 0.0
+    allowed = (bound + bounds_of_sets(found) + 100.0 * UNSEEN_RAYS / rays).tolist()
+    return ScoreCheck(
+        name=exact.name,
+        engines=(sets[0].engine, exact.engine),
+        rays=rays,
+        average=apart[0],
+        rear=apart[1],
+        bands=tuple(
+            Band(low=band.low, high=band.high, share=share)
+            for band, share in zip(exact.bands, apart[2:], strict=True)
+        ),
+        average_allowed=allowed[0],
+        rear_allowed=allowed[1],
+        bands_allowed=tuple(allowed[2:]),
+        bound=bound,
+        lost=float(np.mean([of.lost for of in sets])),
+        seconds=(sum(of.seconds for of in sets), exact.seconds),
+    )
+
+
+def crosscheck_scores(
+    stone: Stone,
+    *,
+    variant: str,
+    seed: int = 1,
+    progress: Callable[[float], None] | None = None,
+    **options: Any,
+) -> ScoreCheck:
+    """Compare Mitsuba's mean over random rays with the exact score, light split in a birefringent stone.
+
+    Parameters
+    ----------
+    stone : Stone
+        The stone.
+    variant : str
+        Mitsuba variant.
+    seed : int
+        Seed of all random numbers.
+    progress : callable, optional
+        Called with the share done, 0 to 1.
+    **options
+        As of `gemrender.observe`; of the resolution, the square is the number of rays in all.
+
+    Raises
+    ------
+    InputError
+        A value outside what is listed, or a stone that is not convex.
+    BackendError
+        An engine cannot run here.
+    """
+    import numpy as np
+
+    from gemrender.engines import observe_sets
+    from gemrender.measures.tally import SETS
+
+    def half(first: float) -> Callable[[float], None]:
+        def go_on(done: float) -> None:
+            if progress is not None:
+                progress(first + 0.5 * done)
+
+        return go_on
+
+    exact = score(
+        stone, engine="exact", birefringence=True, variant=variant, seed=seed, progress=half(0.0), **options
+    )
+    of_exact = ("bound", "time_limit", "memory_limit")
+    short = {key: value for key, value in options.items() if key not in of_exact}
+    scores, rays = [], 0
+    for seen in observe_sets(
+        stone, sets=SETS, birefringence=True, variant=variant, seed=seed, progress=half(0.5), **short
+    ):
+        scores.append(score_pixels(seen))
+        rays += int(np.count_nonzero(seen.coverage))
+    return compare_scores(scores, exact, rays=rays)

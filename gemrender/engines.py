@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -44,6 +45,7 @@ __all__ = [
     "measure",
     "observe",
     "observe_alike",
+    "observe_sets",
     "require_engine",
     "split_crystal",
     "trace_paths",
@@ -403,6 +405,35 @@ def observe_alike(
         # Pixels are compared, not scores.
         out.append(by_beams(stone, view, model, rays=rays, bound=10.0, budget=budget))
     return out
+
+
+def observe_sets(
+    stone: Stone,
+    *,
+    sets: int,
+    view: View | None = None,
+    model: Model | None = None,
+    variant: str = DEFAULT_VARIANT,
+    seed: int = 1,
+    birefringence: bool = False,
+    progress: Callable[[float], None] | None = None,
+    **short: Unpack[ShortForms],
+) -> Iterator[Observation]:
+    """Yield observations of independent sets of random rays by Mitsuba.
+
+    Each set sees all of the view, in so many fewer pixels that all sets together have about as many rays as
+    the view that was asked for has pixels. Options and errors are those of `observe`; see
+    `gemrender.render.observe.observe_sets`.
+    """
+    view, model = resolve(stone, view, model, short)
+    require_engine("mitsuba", variant, stones=[stone])
+    from gemrender.render.observe import observe_sets as by_mitsuba
+
+    fewer = replace(view, resolution=math.ceil(view.resolution / math.sqrt(sets)))
+    return by_mitsuba(
+        stone, fewer, model, sets=sets, seed=seed, birefringence=birefringence, variant=variant,
+        progress=progress,
+    )  # fmt: skip
 
 
 def _turned(options: dict[str, Any]) -> dict[str, Any]:

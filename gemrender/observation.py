@@ -13,8 +13,10 @@ import numpy as np
 from gemrender.cuts import StoneLike, as_stone
 from gemrender.errors import InputError
 from gemrender.measurement import Measurement, MeasureValues, bound_text
+from gemrender.optics.crystals import Indicatrix
+from gemrender.optics.dispersion import SODIUM_NM
 from gemrender.optics.fresnel import FRESNEL_LAWS, GUBELIN_INDEX
-from gemrender.optics.material_files import refractive_index
+from gemrender.optics.material_files import load_material, refractive_index
 from gemrender.optics.materials import INDEX_RANGE
 from gemrender.shown import Shown, library, plots
 from gemrender.stone import Stone
@@ -35,6 +37,7 @@ __all__ = [
     "RayStatus",
     "View",
     "bound_text",
+    "indicatrix_of",
 ]
 
 #: Rear light by where it came in (the paper: z <= 0), by the facet that it came in through (one of the
@@ -154,6 +157,23 @@ class Model:
             # level, it is the edge's lowest point, and nothing that reaches no lower does.
             ground=GROUND if stone.rear_rule == "position" else -GROUND,
         )
+
+
+def indicatrix_of(stone: Stone, model: Model) -> Indicatrix | None:
+    """Return the crystal of a birefringent stone at 589.3 nm, as it lies in the stone.
+
+    None of an isotropic material, and where the model has another index than the material's ordinary one: who
+    gives an index asks for an isotropic stone.
+
+    Raises
+    ------
+    InputError
+        A material that there is not.
+    """
+    crystal = load_material(stone.material, warn=False).crystal
+    if crystal is None or model.index != refractive_index(stone.material):
+        return None
+    return crystal.indicatrix(SODIUM_NM, stone.crystal_axes)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -16,6 +16,7 @@ import numpy as np
 
 from gemrender.beam.compiled import jit_fast, jit_inner, jit_with_arrays
 from gemrender.beam.crossing import PARALLEL, into_air, reflected_share
+from gemrender.beam.random_numbers import next_random
 from gemrender.observation import PATH_CODE_FACTOR, PATH_CODE_MASK, RayStatus
 from gemrender.optics.fresnel import LEAST_TOTAL
 from gemrender.paths import Paths
@@ -281,17 +282,6 @@ def _next_code(code: int, facet: int) -> int:
 
 
 @jit_inner
-def _random(states: Any, k: int) -> float:
-    """Return a random number from 0 to below 1 (Marsaglia's xorshift64, with Vigna's multiplier)."""
-    x = states[k]
-    x ^= x >> np.uint64(12)
-    x ^= x << np.uint64(25)
-    x ^= x >> np.uint64(27)
-    states[k] = x
-    return float((x * np.uint64(0x2545F4914F6CDD1D)) >> np.uint64(11)) * 2.0**-53
-
-
-@jit_inner
 def _leave(index: float, block: Any, k: int, rays: Any, column: int, is_of_all: bool) -> None:
     """Write a ray that leaves the stone through the surface that it has come to into a column."""
     numbers, facts = rays.numbers, rays.facts
@@ -319,7 +309,7 @@ def _divide(index: float, block: Any, k: int, rays: Any, column: int) -> int:
     cos_air = math.sqrt(max(1.0 - index * index * (1.0 - cos_stone * cos_stone), 0.0))
     reflected, on = reflected_share(cos_air, cos_stone, index), column
     if facts[PARTIAL, column] > 0:
-        leaves = _random(rays.random, column % later) >= reflected
+        leaves = next_random(rays.random, column % later) >= reflected
         block[_FACTOR + k] /= 1.0 - reflected if leaves else reflected
         if leaves:
             _leave(index, block, k, rays, column, True)

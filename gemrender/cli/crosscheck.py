@@ -8,6 +8,7 @@ import typer
 
 from gemrender.cli.groups import command
 from gemrender.cli.options import (
+    MODEL,
     AnyStones,
     EngineOptions,
     MaterialOptions,
@@ -58,20 +59,29 @@ def crosscheck(
             autocompletion=complete_words(_families),
         ),
     ] = "",
-    seed: Annotated[int, whole_option("--seed", "Seed of the random stones.", low=0)] = 1,
+    seed: Annotated[int, whole_option("--seed", "Seed of the random stones, and of random rays.", low=0)] = 1,
+    birefringence: Annotated[
+        bool,
+        typer.Option(
+            help="Whether birefringent stones split light: Mitsuba's mean over random rays, as many as the "
+            "map has pixels, against the exact score. Modes are drawn, so no rays are the same.",
+            rich_help_panel=MODEL,
+        ),
+    ] = False,
     variant: Variant = DEFAULT_VARIANT,
     resolution: Resolution = DEFAULT_RESOLUTION,
 ) -> None:
     """Trace the same rays with all engines; exit status 1 if any differs from the reference."""
     from gemrender.crosscheck import crosscheck as compare
+    from gemrender.crosscheck import crosscheck_scores
     from gemrender.engines import observe_alike
     from gemrender.render.backend import ensure_variant
-    from gemrender.report.tables import crosscheck_record, crosscheck_tables
+    from gemrender.report.tables import crosscheck_record, crosscheck_tables, score_check_table
 
     form = table.chosen
     options = trace_options(EngineOptions(variant=variant, resolution=resolution), model, view)
     named = load(stones or [], options, material=of.material)
-    loaded = [*named.stones, *_random_stones(random, seed, family)]
+    loaded = [*named.stones, *_random_stones(random, seed, family, of.material)]
     if not loaded:
         raise InputError("missing: name stones, or ask for some by --random", key="STONE")
     ensure_variant(variant)
@@ -79,16 +89,19 @@ def crosscheck(
     named.tell()
     for key in ("engine", "time_limit", "memory_limit"):
         del options[key]
-    checks = []
+    checks: list[Any] = []
     with progress_bar(len(loaded)) as step:
         for i, stone in enumerate(loaded):
+            if birefringence:
+                checks.append(crosscheck_scores(stone, seed=seed, progress=step(i, stone.name), **options))
+                continue
             # Nearly all of the time is the reference's.
             truth, *others = observe_alike(stone, progress=step(i, stone.name), **options)
             checks += [compare(other, truth) for other in others]
             del truth, others
     print_records(
         form,
-        tables=lambda: crosscheck_tables(checks),
+        tables=lambda: [score_check_table(checks)] if birefringence else crosscheck_tables(checks),
         values=lambda: [c.to_dict() for c in checks],
         records=lambda: [crosscheck_record(c) for c in checks],
     )
@@ -96,8 +109,13 @@ def crosscheck(
         raise typer.Exit(1)
 
 
-def _random_stones(number: int, seed: int, family: str) -> list[Stone]:
-    """Draw so many round brilliants with the proportions of what is sold, or members of families."""
+def _random_stones(number: int, seed: int, family: str, material: str | float | None) -> list[Stone]:
+    """Draw so many round brilliants with the proportions of what is sold, or members of families.
+
+    They are of the material that all stones are of, or of that of their cut.
+    """
+    from dataclasses import replace
+
     import numpy as np
 
     from gemrender.cuts.random import random_brilliant, random_member
@@ -109,7 +127,8 @@ def _random_stones(number: int, seed: int, family: str) -> list[Stone]:
         for name, kind in kinds.items():
             for i in range(number):
                 cut = random_brilliant(rng) if kind is None else random_member(kind, rng)
-                stones.append(cut.stone(name=f"random {name} {seed}.{i + 1}".replace("  ", " ")))
+                stone = cut.stone(name=f"random {name} {seed}.{i + 1}".replace("  ", " "))
+                stones.append(stone if material is None else replace(stone, material=material))
                 step(len(stones) - 1, "drawing")(1.0)
     return stones
 

@@ -69,6 +69,14 @@ def scene(
             "--stock", help="With Mitsuba's own plugins only, for its program mitsuba: no dispersion, RGB."
         ),
     ] = False,
+    birefringence: Annotated[
+        bool | None,
+        typer.Option(
+            "--birefringence/--no-birefringence",
+            help="Whether birefringent stones split light, or have their ordinary index; by default they "
+            "split it in pictures, not in the scored scene.",
+        ),
+    ] = None,
     size: Size = SIZE,
     spp: Annotated[
         int, whole_option("--spp", "Samples a pixel, where Mitsuba renders the picture.", low=1, high=1 << 24)
@@ -81,8 +89,12 @@ def scene(
             raise InputError(f"is for {which} --setup", key=f"--{key.replace('_', '-')}")
     if setup is None:
         engine = EngineOptions(variant=variant, resolution=resolution)
-        _scored(stones, out, trace_options(engine, model, view), gem.material)
+        _scored(stones, out, trace_options(engine, model, view), gem.material, bool(birefringence))
         return
+    if stock and birefringence:
+        raise InputError(
+            "is not for --stock: Mitsuba's own plugins split no light", key="--birefringence", value=True
+        )
 
     from gemrender.render.shots import filtered
     from gemrender.render.shots import held as held_in
@@ -93,7 +105,8 @@ def scene(
     around = filtered(around, analyser=held.analyser, polariser=held.polariser)
     if not _is_given(context, "variant"):
         variant = "llvm_ad_rgb" if stock else "llvm_ad_spectral"
-    _picture(stones, gems, around, out, variant, picture_size(size), spp, stock)
+    splits = birefringence is not False
+    _picture(stones, gems, around, out, variant, picture_size(size), spp, stock, splits)
 
 
 def _is_given(context: typer.Context, key: str) -> bool:
@@ -101,7 +114,13 @@ def _is_given(context: typer.Context, key: str) -> bool:
     return source is not None and source.name != "DEFAULT"
 
 
-def _scored(stones: list[str], out: str, options: dict[str, Any], material: str | float | None) -> None:
+def _scored(
+    stones: list[str],
+    out: str,
+    options: dict[str, Any],
+    material: str | float | None,
+    birefringence: bool,
+) -> None:
     from gemrender.render.backend import ensure_variant
     from gemrender.report.files import check_folder, file_stems, prepare_folder
     from gemrender.scene.xml import write_scene
@@ -112,7 +131,8 @@ def _scored(stones: list[str], out: str, options: dict[str, Any], material: str 
     ensure_variant(options["variant"])
     folder = prepare_folder(out)
     for stone, stem in zip(loaded.stones, file_stems(loaded.names), strict=True):
-        say(f"written: {write_scene(folder, stem, stone, *view_and_model(stone, options))}")
+        view, model = view_and_model(stone, options)
+        say(f"written: {write_scene(folder, stem, stone, view, model, birefringence=birefringence)}")
 
 
 def _from_anywhere(material: str | float) -> str | float:
@@ -134,6 +154,7 @@ def _picture(
     size: tuple[int, int],
     samples: int,
     stock: bool,
+    birefringence: bool,
 ) -> None:
     from gemrender.render.backend import ensure_variant
     from gemrender.report.files import check_folder, file_stems, prepare_folder
@@ -144,7 +165,9 @@ def _picture(
     ensure_variant(variant)
     gems = [replace(gem, material_name=_from_anywhere(gem.material_name)) for gem in gems]
     width, height = size
-    made = photoreal_scene(gems, setup, width=width, height=height, stock=stock, samples=samples)
+    made = photoreal_scene(
+        gems, setup, width=width, height=height, birefringence=birefringence, stock=stock, samples=samples
+    )
     names = [*stones[:_MOST_NAMED], setup.source or setup.name]
     (stem,) = file_stems(["-".join(file_stems(names))])  # as a whole, it is no longer than one
     about = f"{title_of(gems)}; set-up {setup.name}"

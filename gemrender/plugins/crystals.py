@@ -1,4 +1,8 @@
-"""The crystals of a scene's stones, as kernels see them: indices along their axes, and waves at a facet."""
+"""Crystals as kernels see them: indices along their axes, and waves at a facet.
+
+Those of a scene's stones, of many wavelengths and in single precision; and that of the one stone that
+`gem_primary` follows, at one wavelength and in double.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +17,13 @@ from gemrender.plugins.spectra import N_ROWS, row_of, tabulated
 from gemrender.plugins.waves import Facet, Shares, shares, uniaxial
 from gemrender.plugins.waves_biaxial import biaxial
 
-__all__ = ["Crystals"]
+__all__ = ["Crystal", "Crystals"]
+
+#: Principal indices closer than this are one [relative]: rounding of a dispersion formula.
+_ONE_INDEX = 1e-12
+#: Waves of a biaxial crystal whose wave vectors differ by less along the normal are told apart by their
+#: number.
+_ONE_WAVE = 1e-9
 
 
 class Crystals:
@@ -99,3 +109,44 @@ class Crystals:
         one = dr.gather(mi.Bool, self._uniaxial, stone, active)
         either: Shares = dr.select(one, *made)
         return either
+
+
+class Crystal:
+    """The crystal of one stone, in double precision.
+
+    Parameters
+    ----------
+    indices : (3,) float64
+        Principal indices relative to what surrounds the stone, in any order.
+    axes : (3, 3) float64
+        Rows are the axis of each in the world, unit vectors at right angles.
+
+    Attributes
+    ----------
+    is_uniaxial : bool
+        Whether two indices are one.
+    """
+
+    def __init__(self, indices: np.ndarray, axes: np.ndarray) -> None:
+        # The optic axis comes last
+        turns = [k for k in (0, 1, 2) if abs(indices[k] - indices[k - 1]) <= _ONE_INDEX * indices[k]]
+        order = [(turns[0] + k) % 3 for k in (-1, 0, 1)] if turns else [0, 1, 2]
+        self.is_uniaxial = bool(turns)
+        # Held outside kernels: another crystal needs no other one
+        self._indices = dr.opaque(mi.Vector3d, [float(x) for x in indices[order]])
+        self._axes = [dr.opaque(mi.Vector3d, [float(x) for x in axes[k]]) for k in order]
+
+    def at_facet(self, kt: mi.Vector3d, n: mi.Vector3d) -> Shares:
+        """Return how a facet of an outward normal shares light whose wave vectors' part along it is `kt`."""
+        facet = Facet.of(kt, n)
+        if self.is_uniaxial:
+            return shares(facet, *uniaxial(facet, self._axes[2], self._indices.x, self._indices.z))
+        return shares(facet, *biaxial(facet, self._axes, self._indices))
+
+    def is_second(self, at: Shares, k: mi.Vector3d, n: mi.Vector3d, second: mi.Bool) -> mi.Bool:
+        """Return which of a facet's two waves outwards a wave vector belongs to, of a mode by its number."""
+        if self.is_uniaxial:
+            return second
+        # A line may cut the outer sheet four times, next to an optic axis: then both are of it
+        apart = [dr.abs(dr.dot(wave.k - k, n)) for wave in at.out]
+        return dr.select(dr.abs(apart[0] - apart[1]) < _ONE_WAVE, second, apart[1] < apart[0])

@@ -10,13 +10,11 @@ from gemrender.errors import InputError
 from gemrender.optics import Material, load_material
 from gemrender.optics.material import VISIBLE_NM
 from gemrender.optics.principal import along_axes
-from gemrender.plugins.properties import direction, number, truth
+from gemrender.plugins.properties import crystal_axes, direction, number, truth
 from gemrender.plugins.spectra import FIRST_NM, LAST_NM
 
 #: The sodium line, for which stones are scored [nm].
 SODIUM_NM = 589.3
-#: Cosine of axes that are at right angles: numbers with four decimals are less than this off.
-_ACROSS = 1e-3
 
 
 class GemDielectric(mi.BSDF):
@@ -136,7 +134,7 @@ class GemDielectric(mi.BSDF):
         if not 0 <= self.girdle_alpha <= 1:
             raise InputError("must be from 0 to 1", key="girdle_alpha", value=self.girdle_alpha)
         self.axis = direction(props, "axis", (0.0, 0.0, 1.0))
-        self.crystal_axes = _crystal_axes(props)
+        self.crystal_axes = crystal_axes(props)
         grid = np.arange(FIRST_NM, LAST_NM + 1, dtype=np.float64)
         of_range = np.clip(grid, *VISIBLE_NM)
         index = self.material.index(of_range)
@@ -260,26 +258,6 @@ class GemDielectric(mi.BSDF):
             f"  wavelength = {self.wavelength[0]:g},\n  dispersion = {self.disperses},\n"
             f"  birefringence = {self.birefringent},\n  unit_mm = {self.unit_mm:g}\n]"
         )
-
-
-def _crystal_axes(props: mi.Properties) -> np.ndarray:
-    """Return the optic frame, (3, 3): rows are its axes in the world, unit vectors, right-handed."""
-    third = direction(props, "c_axis", (0.0, 0.0, 1.0))
-    if "a_axis" in props:
-        first = direction(props, "a_axis", (1.0, 0.0, 0.0))
-        off = abs(float(first @ third))
-        if off > _ACROSS:
-            angle = np.degrees(np.arcsin(min(off, 1.0)))
-            raise InputError(
-                f"must be at right angles to c_axis, and is {angle:.3g} degrees off",
-                key="a_axis",
-                value=first.tolist(),
-            )
-    else:
-        first = np.eye(3)[int(np.argmin(np.abs(third)))]
-    first = first - (first @ third) * third
-    first /= np.linalg.norm(first)
-    return np.array([first, np.cross(third, first), third])
 
 
 mi.register_bsdf("gem_dielectric", lambda props: GemDielectric(props))

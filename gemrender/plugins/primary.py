@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import drjit as dr
 import mitsuba as mi
@@ -13,7 +12,6 @@ from gemrender.observation import (
     CROSSING_CHANNELS,
     GROUND,
     INTENSITIES,
-    LATER_CHANNELS,
     LIGHT_LEVEL,
     MAP_CHANNELS,
     MOST_REFLECTIONS,
@@ -31,9 +29,12 @@ from gemrender.optics.fresnel import (
 )
 from gemrender.paths import FOLLOW
 from gemrender.plugins.checks import FacetCheck
-from gemrender.plugins.properties import choice, number, whole_number
+from gemrender.plugins.crystals import Crystal
+from gemrender.plugins.primary_later import LATER_NAMES, follow_on
+from gemrender.plugins.primary_modes import Path, follow_modes
+from gemrender.plugins.properties import choice, crystal_axes, number, three_numbers, whole_number
 from gemrender.plugins.stones import reflectance
-from gemrender.plugins.surfaces import RAY_OFFSET, Way, enter, meet, set_out, turn
+from gemrender.plugins.surfaces import RAY_OFFSET, enter, meet, set_out, turn
 from gemrender.stone.facets import LEVEL
 
 
@@ -42,11 +43,7 @@ def _names(*parts: dict[str, tuple[str, ...]]) -> tuple[str, ...]:
 
 
 #: The integrator's channels, in order, after the film's own; where all light is followed, all of them.
-AOV_NAMES, PATH_NAMES, LATER_NAMES = (
-    _names(MAP_CHANNELS),
-    _names(MAP_CHANNELS, CROSSING_CHANNELS),
-    _names(LATER_CHANNELS),
-)
+AOV_NAMES, PATH_NAMES = _names(MAP_CHANNELS), _names(MAP_CHANNELS, CROSSING_CHANNELS)
 
 #: How far the relative index may be from the one that Gübelin's table holds for: as far as air's from 1.
 GUBELIN_MARGIN = 1e-3
@@ -68,8 +65,20 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
 
      * - ext_ior
        - |float|
-       - Refractive index of what surrounds it. (Default: 1.0)
+       - Refractive index of what surrounds it; exposed without ``principal``. (Default: 1.0)
        - |exposed|
+
+     * - principal
+       - |vector|
+       - In place of ``int_ior``, of a birefringent stone: its principal indices, along ``a_axis``, across
+         both axes, and along ``c_axis``. Its light is split, see below.
+       -
+
+     * - c_axis, a_axis
+       - |vector|
+       - The axes of its crystal, at right angles; of two indices ``c_axis`` is the optic axis, and any
+         ``a_axis`` will do. (Default: 0, 0, 1, and any across it)
+       -
 
      * - fresnel
        - |string|
@@ -133,7 +142,15 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
 
     What a sum over all later exits has is, on average, what this one has divided by ``later.probability``.
     The colours remain those of the principal path. The sampler must be a random one: of ``stratified``
-    without ``jitter`` all pixels get the same number.
+    without ``jitter`` all pixels get the same number, so it is refused.
+
+    With ``principal``, light inside is in one of two modes at a time (``docs/exact-engine.md``, birefringent
+    stones): by their shares the sampler draws which one enters, and which one goes on from each total
+    reflection. Where the ray first may leave it does, as above. T is what enters, and what of its mode
+    leaves, and the beam's cross-section is that across the ray, along which its energy goes. A sample has one
+    history of modes, and the mean over samples is that over all: ``gemrender score --birefringence`` tells
+    it. Waves are in double precision, and ``fresnel`` is ``exact``; ``follow`` must be ``principal``, and the
+    sampler a random one.
 
     The stone is a mesh in its own frame (table up, about the origin; round girdles of radius 1), convex or
     not, with facets and planes as face attributes; ``gemrender scene`` writes it, others are refused, and so
@@ -159,12 +176,14 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
 
     def __init__(self, props: mi.Properties) -> None:
         super().__init__(props)
-        self.fresnel = choice(props, "fresnel", FRESNEL_LAWS)
+        self.crystal = self._crystal(props) if "principal" in props else None
+        self.fresnel = choice(props, "fresnel", FRESNEL_LAWS if self.crystal is None else ("exact",))
         self.rear = choice(props, "rear", REAR_RULES)
         self.ground = number(props, "ground", GROUND)
         self.intensity = choice(props, "intensity", INTENSITIES)
         self.follow = choice(props, "follow", FOLLOW)
-        self.int_ior = mi.Float64(number(props, "int_ior", GUBELIN_INDEX))
+        least = GUBELIN_INDEX if self.crystal is None else min(self.principal)
+        self.int_ior = mi.Float64(number(props, "int_ior", least))
         self.ext_ior = mi.Float64(number(props, "ext_ior", 1.0))
         self.max_reflections = mi.UInt32(whole_number(props, "max_reflections", MOST_REFLECTIONS, least=1))
         # One of three heights and its limit, not compiled in: that of the place, the normal or the direction.
@@ -178,6 +197,24 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         self.table_angles = mi.Float(GUBELIN_ANGLES_DEG)
         self.table_reflected = mi.Float(GUBELIN_REFLECTED)
         self._update()
+        if self.crystal is not None and self.follow == "all":
+            raise InputError(
+                "must be principal: all light is followed in stones of one index only",
+                key="follow",
+                value=self.follow,
+            )
+
+    def _crystal(self, props: mi.Properties) -> Crystal:
+        """Read the crystal of a birefringent stone."""
+        if "int_ior" in props:
+            raise InputError("needs int_ior or principal, not both", key="int_ior", value=props["int_ior"])
+        indices, ext_ior = three_numbers(props, "principal"), number(props, "ext_ior", 1.0)
+        if not 0 < ext_ior < indices.min():
+            raise InputError(
+                f"must be greater than ext_ior = {ext_ior:g}", key="principal", value=indices.tolist()
+            )
+        self.principal = tuple(indices.tolist())
+        return Crystal(indices / ext_ior, crystal_axes(props))
 
     def _update(self) -> None:
         """Check the parameters that can change, and keep them out of the kernel: literals are compiled in."""
@@ -197,8 +234,9 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
 
     def traverse(self, cb: mi.TraversalCallback) -> None:
         """Expose the parameters that can change without a new kernel."""
-        cb.put("int_ior", self.int_ior, mi.ParamFlags.NonDifferentiable)
-        cb.put("ext_ior", self.ext_ior, mi.ParamFlags.NonDifferentiable)
+        if self.crystal is None:
+            cb.put("int_ior", self.int_ior, mi.ParamFlags.NonDifferentiable)
+            cb.put("ext_ior", self.ext_ior, mi.ParamFlags.NonDifferentiable)
         cb.put("max_reflections", self.max_reflections, mi.ParamFlags.NonDifferentiable)
 
     def parameters_changed(self, keys: list[str]) -> None:
@@ -220,17 +258,17 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         """Follow one ray; see the class."""
         hides = self.facet_check.hides(scene)
         with dr.suspend_grad():
-            path = self._follow(scene, mi.Ray3f(ray), mi.Bool(active))
-            transmitted, values = self._measure(scene, sampler, path)
+            path = self._path(scene, sampler, mi.Ray3f(ray), mi.Bool(active))
+            values = self._measure(scene, sampler, path)
             exited = path.status == int(RayStatus.EXITED)
             light = self._light(scene, ray, path.way.p, path.way.d, exited, hides)
-            light = dr.select(exited, mi.Spectrum(mi.Float(transmitted)) * light, 0)
+            light = dr.select(exited, mi.Spectrum(mi.Float(path.transmitted)) * light, 0)
             return light, path.hit, [mi.Float(values[name]) for name in self.aov_names()]
 
     def measure(
         self, scene: mi.Scene, ray: mi.RayDifferential3f, sampler: mi.Sampler | None = None
     ) -> list[mi.Float]:
-        """Return the AOVs alone, which are the same whatever light there is; all light needs a sampler."""
+        """Return the AOVs alone, the same whatever light there is; all light and modes need a sampler."""
         values = self.trace(scene, ray, sampler)
         return [mi.Float(values[name]) for name in self.aov_names()]
 
@@ -240,15 +278,29 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         """Return the AOVs by name and in full precision, those of the crossings in any case."""
         self.facet_check.hides(scene)
         with dr.suspend_grad():
-            return self._measure(scene, sampler, self._follow(scene, mi.Ray3f(ray), mi.Bool(True)))[1]
+            path = self._path(scene, sampler, mi.Ray3f(ray), mi.Bool(True))
+            return self._measure(scene, sampler, path)
 
     def to_string(self) -> str:
         """Describe the integrator in Mitsuba's manner."""
+        inside = f"int_ior = {self.int_ior[0]:g}"
+        if self.crystal is not None:
+            inside = f"principal = {', '.join(f'{index:g}' for index in self.principal)}"
         return (
-            f"PrimaryIntegrator[\n  int_ior = {self.int_ior[0]:g},\n  ext_ior = {self.ext_ior[0]:g},\n"
+            f"PrimaryIntegrator[\n  {inside},\n  ext_ior = {self.ext_ior[0]:g},\n"
             f"  fresnel = {self.fresnel},\n  rear = {self.rear},\n  intensity = {self.intensity},\n"
             f"  max_reflections = {self.max_reflections[0]},\n  follow = {self.follow}\n]"
         )
+
+    def _path(self, scene: mi.Scene, sampler: mi.Sampler | None, ray: mi.Ray3f, active: mi.Bool) -> Path:
+        """Follow rays, in modes if the stone is birefringent."""
+        if self.crystal is not None or self.follow == "all":
+            _require_random(sampler)
+        if self.crystal is None:
+            path: Path = self._follow(scene, ray, active)
+        else:
+            path = follow_modes(scene, sampler, self.crystal, self.max_reflections, ray, active)
+        return path
 
     @dr.syntax
     def _follow(self, scene, ray, active):  # type: ignore[no-untyped-def]  # dr.syntax reads the source
@@ -300,7 +352,8 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
             inside = reflects | met.again
             way = turn(way, met, d)
 
-        return _Path(
+        eye_side, light_side = (cos_air_eye, cos_stone_eye), (cos_air, cos_stone)
+        return Path(
             hit=hit,
             status=status,
             reflections=reflections,
@@ -309,79 +362,25 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
             exit_facet=facet,
             code=code,
             way=way,
-            eye_side=(cos_air_eye, cos_stone_eye),
-            light_side=(cos_air, cos_stone),
+            eye_side=eye_side,
+            light_side=light_side,
             normal=normal,
+            transmitted=self._transmittance(*eye_side) * self._transmittance(*light_side),
+            # S1/S2 at both crossings, as the light travels (the paper's section 2.2)
+            section=(cos_air / cos_stone) * (cos_stone_eye / cos_air_eye),
         )
 
-    @dr.syntax
-    def _follow_on(self, scene, sampler, path):  # type: ignore[no-untyped-def]  # dr.syntax reads the source
-        """Follow what is reflected where the principal path leaves, to one later exit."""
-        eta = self.int_ior / self.ext_ior
-
-        # ---- Reflection where the principal path leaves: it is certain ----
-
-        inside = path.status == int(RayStatus.EXITED)
-        (cos_air, cos_stone), n = path.light_side, path.normal
-        weight = reflectance(cos_air, cos_stone, eta)
-        probability = mi.Float64(1)
-        partial = mi.UInt32(1)
-        d = (path.way.d - cos_air * n) / eta - cos_stone * n
-        way = set_out(path.way.p, dr.normalize(d), path.way.on_wall)
-        status = dr.select(inside, mi.UInt32(int(RayStatus.TRAPPED)), mi.UInt32(int(RayStatus.MISSED)))
-        any_later = mi.Bool(inside)
-        inside &= path.reflections < self.max_reflections
-        reflections = dr.select(inside, path.reflections + 1, path.reflections)
-        facet = mi.Float(-1)
-        cos_out = mi.Float64(0)  # of the angle in air, where it leaves
-
-        # ---- From surface to surface, until it leaves by chance ----
-
-        while dr.hint(inside, label="gem_primary: all light"):
-            met = meet(scene, way, inside)
-            status[inside & ~met.found & ~met.again] = mi.UInt32(int(RayStatus.LOST))
-
-            d, n, cos_i = way.d, met.normal, met.cos
-            sin2 = dr.square(eta) * (1 - dr.square(cos_i))
-            parts = met.found & (sin2 < LEAST_TOTAL)
-            cos_t = dr.safe_sqrt(1 - sin2)
-            back = dr.select(parts, reflectance(cos_t, cos_i, eta), 1)
-            exits = parts & (mi.Float64(sampler.next_1d(parts)) >= back)
-            probability *= dr.select(exits, 1 - back, back)
-            status[exits] = mi.UInt32(int(RayStatus.EXITED))
-            facet = dr.select(exits, met.facet, facet)
-            cos_out = dr.select(exits, cos_t, cos_out)
-
-            reflects = met.found & ~exits
-            weight *= dr.select(reflects, back, 1)
-            partial[parts & ~exits] += 1
-            refracted = eta * (d - cos_i * n) + cos_t * n
-            d = dr.select(exits, refracted, dr.select(reflects, d - 2 * cos_i * n, d))
-            reflects &= reflections < self.max_reflections
-            reflections[reflects] += 1
-            inside = reflects | met.again
-            way = turn(way, met, d)
-
-        exited = status == int(RayStatus.EXITED)
-        p, d = dr.select(exited, way.p, 0), dr.select(exited, way.d, 0)
-        counts = (reflections, partial, weight, probability)
-        values = (status, *(dr.select(any_later, x, 0) for x in counts), *p, *d, facet, cos_out)
-        return dict(zip(LATER_NAMES, values, strict=True))
-
     def _measure(
-        self, scene: mi.Scene, sampler: mi.Sampler | None, path: _Path
-    ) -> tuple[mi.Float64, dict[str, mi.Float | mi.Float64 | mi.UInt32]]:
-        """Return the share of the light that the principal path transmits, and the AOVs."""
+        self, scene: mi.Scene, sampler: mi.Sampler | None, path: Path
+    ) -> dict[str, mi.Float | mi.Float64 | mi.UInt32]:
+        """Return the AOVs of a path."""
         exited = path.status == int(RayStatus.EXITED)
         p, d = path.way.p, path.way.d
         chosen, most = self._rear_rule
         rear = exited & (dr.dot(chosen, mi.Vector3d(p.z, path.normal.z, d.z)) <= most)
-        transmitted = self._transmittance(*path.eye_side) * self._transmittance(*path.light_side)
-        intensity = LIGHT_LEVEL * transmitted
-        (air_eye, stone_eye), (air_light, stone_light) = path.eye_side, path.light_side
+        intensity = LIGHT_LEVEL * path.transmitted
         if self.intensity == "primary":
-            # S1/S2 at both crossings, as the light travels (the paper's section 2.2)
-            intensity *= (air_light / stone_light) * (stone_eye / air_eye)
+            intensity *= path.section
         p, d = dr.select(exited, p, 0), dr.select(exited, d, 0)
         values = (
             dr.select(exited & ~rear, intensity, 0),
@@ -395,13 +394,13 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
             path.exit_facet,
             path.code,
             *dr.select(path.hit, path.entry_normal, 0),
-            dr.select(path.hit, air_eye, 0),
-            dr.select(exited, air_light, 0),
+            dr.select(path.hit, path.eye_side[0], 0),
+            dr.select(exited, path.light_side[0], 0),
         )
         out = dict(zip(PATH_NAMES, values, strict=True))
         if self.follow == "all":
-            out |= self._follow_on(scene, sampler, path)
-        return transmitted, out
+            out |= follow_on(scene, sampler, self.int_ior / self.ext_ior, self.max_reflections, path)
+        return out
 
     def _transmittance(self, cos_air: mi.Float64, cos_stone: mi.Float64) -> mi.Float64:
         """Return the transmitted share at one crossing, from both of its angles."""
@@ -439,21 +438,11 @@ class PrimaryIntegrator(mi.SamplingIntegrator):
         return si.emitter(scene, active).eval(si, active)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Path:
-    """What is known of a ray that has been followed; arrays, one value a ray."""
-
-    hit: mi.Bool
-    status: mi.UInt32
-    reflections: mi.UInt32
-    entry_facet: mi.Float
-    entry_normal: mi.Vector3d
-    exit_facet: mi.Float
-    code: mi.UInt32
-    way: Way  # where the ray leaves the stone, and in which direction
-    eye_side: tuple[mi.Float64, mi.Float64]  # cosines of the angles in air and in the stone
-    light_side: tuple[mi.Float64, mi.Float64]
-    normal: mi.Vector3d  # where it leaves
+def _require_random(sampler: mi.Sampler | None) -> None:
+    """Refuse a sampler by which nothing can be drawn: none, or one whose numbers are the same everywhere."""
+    if sampler is None or "jitter = 0" in str(sampler):
+        value = None if sampler is None else sampler.class_name()
+        raise InputError("must be a random one, such as independent", key="sampler", value=value)
 
 
 mi.register_integrator("gem_primary", lambda props: PrimaryIntegrator(props))

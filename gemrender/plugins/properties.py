@@ -9,7 +9,10 @@ import numpy as np
 
 from gemrender.errors import InputError
 
-__all__ = ["choice", "number", "truth", "whole_number"]
+__all__ = ["choice", "crystal_axes", "direction", "number", "three_numbers", "truth", "whole_number"]
+
+#: Cosine of axes that are at right angles: numbers with four decimals are less than this off.
+_ACROSS = 1e-3
 
 
 def choice(props: mi.Properties, key: str, allowed: tuple[str, ...]) -> str:
@@ -54,3 +57,34 @@ def direction(
     if given.shape != (3,) or not 0 < length < np.inf:
         raise InputError("must be a vector that is not 0", key=key, value=given.tolist())
     return np.asarray(given / length)
+
+
+def three_numbers(props: mi.Properties, key: str) -> np.ndarray:
+    """Read three finite numbers, (3,)."""
+    try:
+        given = np.array(props[key], dtype=np.float64)
+    except (TypeError, ValueError):
+        given = np.empty(0)
+    if given.shape != (3,) or not np.isfinite(given).all():
+        raise InputError("must be three finite numbers", key=key, value=props[key])
+    return given
+
+
+def crystal_axes(props: mi.Properties) -> np.ndarray:
+    """Read `c_axis` and `a_axis`: the optic frame, (3, 3), rows its axes, unit vectors, right-handed."""
+    third = direction(props, "c_axis", (0.0, 0.0, 1.0))
+    if "a_axis" in props:
+        first = direction(props, "a_axis", (1.0, 0.0, 0.0))
+        off = abs(float(first @ third))
+        if off > _ACROSS:
+            angle = np.degrees(np.arcsin(min(off, 1.0)))
+            raise InputError(
+                f"must be at right angles to c_axis, and is {angle:.3g} degrees off",
+                key="a_axis",
+                value=first.tolist(),
+            )
+    else:
+        first = np.eye(3)[int(np.argmin(np.abs(third)))]
+    first = first - (first @ third) * third
+    first /= np.linalg.norm(first)
+    return np.array([first, np.cross(third, first), third])

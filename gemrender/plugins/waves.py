@@ -3,6 +3,8 @@
 Wave vectors are in units of that outside, so that a wave's is as long as its relative index is. At a facet
 all waves have the same part along it: kt = κ t. Vectors are given in the frame (t, s, N), with N the outward
 normal and s = N x t. Fields go as exp(i (k . r - ω t)); H = k x E and D = -k x H.
+
+All is in single precision, or in double where the facet is: vectors are Vector3f or Vector3d then.
 """
 
 from __future__ import annotations
@@ -13,13 +15,17 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 
+from gemrender.optics.fresnel import LEAST_TOTAL
 from gemrender.plugins.polarisation import Field
 
 __all__ = ["Facet", "Mode", "Shares", "Wave", "complex_root", "shares", "uniaxial"]
 
-#: Waves closer to the optic axis than this [sine] are taken as of an axis that is as far off, where the two
-#: modes are told apart: along it any two would do, and single precision knows neither.
-_NEAR_AXIS = 1e-3
+#: Waves closer to the optic axis than this [sine], in single precision and in double, are taken as of an axis
+#: that is as far off, where the two modes are told apart: along it any two would do, and rounding knows
+#: neither.
+_NEAR_AXIS, _NEAR_AXIS_DOUBLE = 1e-3, 1e-6
+#: What stands for 0 as a divisor, of fields of which some are as small as waves are near the axis.
+_LEAST, _LEAST_DOUBLE = 1e-30, 1e-300
 
 
 @dataclass
@@ -44,9 +50,14 @@ class Facet:
         """Return the facet of an outward normal as waves meet it whose part along it is `kt`."""
         κ = dr.norm(kt)
         # Any frame does for light straight on
-        t = dr.select(κ > 1e-6, kt * dr.rcp(κ), mi.coordinate_system(n)[0])
+        t = dr.select(κ > 1e-6, kt * dr.rcp(κ), type(n)(mi.coordinate_system(mi.Vector3f(n))[0]))
         t = dr.normalize(t - dr.dot(t, n) * n)
         return Facet(t, dr.cross(n, t), n, κ)
+
+    @property
+    def is_double(self) -> bool:
+        """Whether it is in double precision."""
+        return type(self.κ) is not mi.Float
 
     def to_world(self, v: mi.Vector3f) -> mi.Vector3f:
         """Return a vector of the facet's frame in the world's."""
@@ -54,7 +65,7 @@ class Facet:
 
     def to_local(self, v: mi.Vector3f) -> mi.Vector3f:
         """Return a vector of the world in the facet's frame."""
-        return mi.Vector3f(dr.dot(v, self.t), dr.dot(v, self.s), dr.dot(v, self.n))
+        return type(v)(dr.dot(v, self.t), dr.dot(v, self.s), dr.dot(v, self.n))
 
 
 @dataclass
@@ -154,7 +165,7 @@ def uniaxial(facet: Facet, c: mi.Vector3f, n_o: mi.Float, n_e: mi.Float) -> tupl
     """
     κ, axis = facet.κ, facet.to_local(c)
     root = complex_root(dr.square(n_o) - dr.square(κ))
-    axis = _off_waves(axis, κ, dr.real(root), n_o)
+    axis = _off_waves(axis, κ, dr.real(root), n_o, _NEAR_AXIS_DOUBLE if facet.is_double else _NEAR_AXIS)
     a, b = dr.rcp(dr.square(n_e)), dr.rcp(dr.square(n_o)) - dr.rcp(dr.square(n_e))
     # a (κ^2 + k_n^2) + b (κ c_t + k_n c_n)^2 = 1
     square, half = a + b * dr.square(axis.z), b * axis.z * axis.x * κ
@@ -173,34 +184,36 @@ def uniaxial(facet: Facet, c: mi.Vector3f, n_o: mi.Float, n_e: mi.Float) -> tupl
     return tuple(made)
 
 
-def _off_waves(axis: mi.Vector3f, κ: mi.Float, k_n: mi.Float, n_o: mi.Float) -> mi.Vector3f:
+def _off_waves(axis: mi.Vector3f, κ: mi.Float, k_n: mi.Float, n_o: mi.Float, apart: float) -> mi.Vector3f:
     """Return the optic axis, a little off where a wave runs along it."""
     near = mi.Bool(False)
     for sign in (1, -1):
         along = dr.square(κ * axis.x + sign * k_n * axis.z)
-        near |= dr.square(n_o) - along < dr.square(_NEAR_AXIS * n_o)
-    across = dr.select(dr.abs(axis.y) < 0.8, mi.Vector3f(0, 1, 0), mi.Vector3f(1, 0, 0))
-    return dr.select(near, dr.normalize(axis + 2 * _NEAR_AXIS * across), axis)
+        near |= dr.square(n_o) - along < dr.square(apart * n_o)
+    kind = type(axis)
+    across = dr.select(dr.abs(axis.y) < 0.8, kind(0, 1, 0), kind(1, 0, 0))
+    return dr.select(near, dr.normalize(axis + 2 * apart * across), axis)
 
 
 def _uniaxial_wave(
     k_n: mi.Complex2f, κ: mi.Float, c: mi.Vector3f, n_o: mi.Float, n_e: mi.Float, *, ordinary: bool
 ) -> Wave:
+    kind = type(c)
     q = κ * c.x + k_n * c.z
-    v_t, v_s, w_s = -c.y * k_n, c.x * k_n - κ * c.z, mi.Complex2f(c.y)
+    v_t, v_s, w_s = -c.y * k_n, c.x * k_n - κ * c.z, type(k_n)(c.y)
     by = dr.rcp(dr.square(n_o))
     w_t = c.x - q * (κ * by)
-    k = mi.Vector3f(κ, 0, dr.real(k_n))
+    k = kind(κ, 0, dr.real(k_n))
     if ordinary:
         minus = -dr.square(n_o)
         ray = dr.normalize(k)
-        return Wave(k_n, v_t, v_s, minus * w_t, minus * w_s, ray, mi.Vector3f(1, 0, 0))
+        return Wave(k_n, v_t, v_s, minus * w_t, minus * w_s, ray, kind(1, 0, 0))
     along = dr.real(q)
     a = dr.rcp(dr.square(n_e))
     flow = a * k + (by - a) * along * c  # its length times k^2 - q^2 is that of E x H
     across2 = dr.maximum(dr.squared_norm(k) - dr.square(along), 0)
     # Of W the part along c is 1 - q^2 / n_o^2 = (k^2 - q^2) / n_e^2
-    absorbs = mi.Vector3f(n_o * dr.square(along * by), 0, n_e * across2 * dr.square(a))
+    absorbs = kind(n_o * dr.square(along * by), 0, n_e * across2 * dr.square(a))
     absorbs *= dr.rcp(dr.norm(flow))
     return Wave(k_n, w_t, w_s, v_t, v_s, dr.normalize(flow), absorbs)
 
@@ -218,7 +231,8 @@ def shares(facet: Facet, out: tuple[Wave, Wave], back: tuple[Wave, Wave]) -> Sha
     """
     κ = type(dr.real(out[0].k_n))(facet.κ)
     k_z = complex_root(1 - dr.square(κ))
-    total = κ >= 1
+    total = dr.square(κ) >= LEAST_TOTAL
+    real, least = type(facet.κ), _LEAST_DOUBLE if facet.is_double else _LEAST
 
     def residues(wave: Wave) -> tuple[Any, Any]:
         return wave.h_t + k_z * wave.e_s, k_z * wave.h_s - wave.e_t
@@ -230,13 +244,13 @@ def shares(facet: Facet, out: tuple[Wave, Wave], back: tuple[Wave, Wave]) -> Sha
     reflected, passed, fields = [], [], []
     for wave in out:
         a, b = residues(wave)
-        unit = dr.rcp(dr.maximum(determinant * wave.flux, 1e-30))
+        unit = dr.rcp(dr.maximum(determinant * wave.flux, least))
         amplitudes = a * b1 - a1 * b, a0 * b - a * b0
         shared = [dr.squared_norm(x) * f * unit for x, f in zip(amplitudes, flux, strict=True)]
-        whole = dr.maximum(shared[0] + shared[1], 1e-30)
+        whole = dr.maximum(shared[0] + shared[1], least)
         over = dr.select(total | (whole > 1), dr.rcp(whole), 1)
-        reflected.append([mi.Float(share * over) for share in shared])
-        passed.append(mi.Float(dr.select(total, 0, dr.maximum(1 - whole, 0))))
+        reflected.append([real(share * over) for share in shared])
+        passed.append(real(dr.select(total, 0, dr.maximum(1 - whole, 0))))
         of = [x / mixed for x in amplitudes]
         e_t, e_s = wave.e_t - of[0] * back[0].e_t, wave.e_s - of[0] * back[0].e_s
         fields.append(_outside(facet, e_t - of[1] * back[1].e_t, e_s - of[1] * back[1].e_s))
@@ -249,9 +263,9 @@ def _outside(facet: Facet, e_t: Any, e_s: Any) -> Field:
     k_z = dr.safe_sqrt(1 - dr.square(facet.κ))
     p = k_z * facet.t - facet.κ * facet.n  # s x k
     single = [mi.Complex2f(mi.Float(dr.real(x)), mi.Float(dr.imag(x))) for x in (e_t, e_s)]
-    return Field.of(facet.s, single[1] * k_z, p, single[0])
+    return Field.of(mi.Vector3f(facet.s), single[1] * mi.Float(k_z), mi.Vector3f(p), single[0])
 
 
 def _mode(facet: Facet, wave: Wave) -> Mode:
-    k = facet.κ * facet.t + mi.Float(dr.real(wave.k_n)) * facet.n
+    k = facet.κ * facet.t + type(facet.κ)(dr.real(wave.k_n)) * facet.n
     return Mode(k, facet.to_world(wave.ray), wave.absorbs)

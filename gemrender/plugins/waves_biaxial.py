@@ -15,6 +15,9 @@ __all__ = ["biaxial"]
 _POLISHING = 2
 #: Imaginary parts below this are rounding of a double root: the root of double precision's, with a margin.
 _REAL = 1e-6
+#: Waves of one facet whose wave vectors are closer than this run next to an optic axis: their fields are told
+#: apart by what is left of a double root, and lose as many digits as it twice.
+_TOUCHING = 1e-6
 
 
 def biaxial(facet: Facet, axes: list[mi.Vector3f], principal: mi.Vector3f) -> tuple[tuple[Wave, Wave], ...]:
@@ -24,7 +27,8 @@ def biaxial(facet: Facet, axes: list[mi.Vector3f], principal: mi.Vector3f) -> tu
     Soc. A 237, 411 (1939), for other media). Of four real roots the two largest belong to waves that carry
     energy outwards, the larger one to the slow wave, whose surface is the outer one; of two the pair of
     complex ones is the fast wave's, evanescent. Where the outer surface dips towards an optic axis, a line
-    may meet it four times; there the two are mistaken for each other in part, and no energy is lost.
+    may meet it four times; there the two are mistaken for each other in part, and no energy is lost. Along an
+    optic axis any two fields at right angles do.
 
     Parameters
     ----------
@@ -45,8 +49,19 @@ def biaxial(facet: Facet, axes: list[mi.Vector3f], principal: mi.Vector3f) -> tu
     a = _unit([x - along * y for x, y in zip(a, b, strict=True)])
     c = [b[(i + 1) % 3] * a[(i + 2) % 3] - b[(i + 2) % 3] * a[(i + 1) % 3] for i in range(3)]
     inward, outward = _roots(_quartic(κ, a, b, ε))
-    made = [[_wave(k_n, κ, (a, c, b), ε) for k_n in pair] for pair in (outward, inward)]
-    return tuple((fast, slow) for fast, slow in made)
+    kind = type(facet.n)
+    frame = a, c, b
+    made = []
+    for pair in (outward, inward):
+        touching, k_n, along_axis = _along_axis(pair, κ, frame, ε)
+        waves = []
+        for own, of_axis in zip(pair, along_axis, strict=True):
+            field = [
+                dr.select(touching, x, y) for x, y in zip(of_axis, _field(own, κ, frame, ε), strict=True)
+            ]
+            waves.append(_wave(dr.select(touching, k_n, own), κ, frame, ε, field, kind))
+        made.append((waves[0], waves[1]))
+    return tuple(made)
 
 
 def _unit(v: list[Any]) -> list[Any]:
@@ -151,9 +166,9 @@ def _sorted(pairs: list[list[Any]]) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
     return (fast_in, slow_in), (fast_out, slow_out)
 
 
-def _wave(k_n: Any, κ: Any, frame: tuple[list[Any], list[Any], list[Any]], ε: list[Any]) -> Wave:
-    """Return the wave of a wave vector; its field is what k k^T - k^2 + ε takes to 0."""
-    t, s, n = frame
+def _field(k_n: Any, κ: Any, frame: tuple[list[Any], list[Any], list[Any]], ε: list[Any]) -> list[Any]:
+    """Return the field of a wave vector, of length 1, in the optic frame: what k k^T - k^2 + ε takes to 0."""
+    t, _, n = frame
     k = [κ * x + k_n * y for x, y in zip(t, n, strict=True)]
     square = dr.square(κ) + k_n * k_n
     d = [square - x for x in ε]
@@ -170,7 +185,50 @@ def _wave(k_n: Any, κ: Any, frame: tuple[list[Any], list[Any], list[Any]], ε: 
         size = dr.select(larger, dr.squared_norm(columns[i][i]), size)
         field = [dr.select(larger, x, y) for x, y in zip(columns[i], field, strict=True)]
     unit = dr.rsqrt(dr.maximum(sum(dr.squared_norm(x) for x in field), 1e-300))
-    field = [x * unit for x in field]
+    return [x * unit for x in field]
+
+
+def _along_axis(
+    pair: tuple[Any, Any], κ: Any, frame: tuple[list[Any], list[Any], list[Any]], ε: list[Any]
+) -> tuple[Any, Any, list[list[Any]]]:
+    """Return whether two waves run along an optic axis, and what wave vector and fields they have then.
+
+    D is along the axes of the section of 1/ε across the wave vector, here one of both (Born & Wolf, 7th ed.,
+    section 15.2.3): s, and z across it.
+    """
+    t, s, n = frame
+    gap = dr.abs(dr.real(pair[0]) - dr.real(pair[1]))
+    touching = (dr.imag(pair[0]) == 0) & (dr.imag(pair[1]) == 0) & (gap < _TOUCHING)
+    k_n = 0.5 * (dr.real(pair[0]) + dr.real(pair[1]))
+    by = dr.rsqrt(dr.square(κ) + dr.square(k_n))
+    z = [(k_n * x - κ * y) * by for x, y in zip(t, n, strict=True)]
+    ss, zz, zs = (
+        sum(x * y / e for x, y, e in zip(u, v, ε, strict=True)) for u, v in ((s, s), (z, z), (z, s))
+    )
+    half = 0.5 * (zz - ss)
+    spread = dr.sqrt(dr.square(half) + dr.square(zs))
+    # Of the fast wave 1/ε is the larger; from the row that does not cancel
+    first = dr.select(half >= 0, half + spread, zs)
+    second = dr.select(half >= 0, zs, spread - half)
+    first = dr.select(spread > 0, first, 1)
+    fields = []
+    for of_z, of_s in ((first, second), (-second, first)):
+        e = [(of_z * x + of_s * y) / of_axis for x, y, of_axis in zip(z, s, ε, strict=True)]
+        unit = dr.rsqrt(sum(dr.square(x) for x in e))
+        fields.append([mi.Complex2f64(x * unit) for x in e])
+    return touching, mi.Complex2f64(k_n), fields
+
+
+def _wave(
+    k_n: Any,
+    κ: Any,
+    frame: tuple[list[Any], list[Any], list[Any]],
+    ε: list[Any],
+    field: list[Any],
+    kind: Any,
+) -> Wave:
+    """Return the wave of a wave vector and a field; its vectors are of a kind."""
+    t, s, n = frame
 
     def along(axis: list[Any]) -> Any:
         return sum(x * y for x, y in zip(field, axis, strict=True))
@@ -184,4 +242,4 @@ def _wave(k_n: Any, κ: Any, frame: tuple[list[Any], list[Any], list[Any]], ε: 
     ]
     rate = dr.rsqrt(dr.maximum(sum(dr.square(x) for x in flow), 1e-300))
     absorbs = [dr.sqrt(x) * dr.squared_norm(e) * rate for x, e in zip(ε, field, strict=True)]
-    return Wave(k_n, e_t, e_s, h_t, h_s, mi.Vector3f(*(x * rate for x in flow)), mi.Vector3f(*absorbs))
+    return Wave(k_n, e_t, e_s, h_t, h_s, kind(*(x * rate for x in flow)), kind(*absorbs))

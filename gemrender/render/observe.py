@@ -14,7 +14,7 @@ from gemrender.scene.generator import rows_window, sensor, stone_scene
 from gemrender.scene.loading import load_scene
 from gemrender.stone import Stone
 
-__all__ = ["film_rays", "follow", "observe", "rows_of_pass", "sensor_rays", "view_passes"]
+__all__ = ["film_rays", "follow", "observe", "observe_sets", "rows_of_pass", "sensor_rays", "view_passes"]
 
 #: Rays of a pass: enough to keep all cores busy, few enough that a pass stays well below 1 GiB.
 PASS_RAYS = 1 << 21
@@ -55,20 +55,7 @@ def observe(
     start = time.perf_counter()
     rows = rows_of_pass(view, PASS_RAYS)
     scene: Any = load_scene(stone_scene(stone, view, model, rows=rows))
-    eye = scene.sensors()[0]
-    maps: dict[str, Any] = {
-        name: np.empty((*view.shape, 3) if len(channels) == 3 else view.shape, dtype=MAP_TYPES[name])
-        for name, channels in MAP_CHANNELS.items()
-    }
-    for first, kept in view_passes(eye, view, rows):
-        channels = follow(scene, film_rays(eye))
-        for name, of_map in MAP_CHANNELS.items():
-            of_pass = maps[name][first : first + kept]
-            for k, channel in enumerate(of_map):
-                part = of_pass if len(of_map) == 1 else of_pass[..., k]
-                part[:] = channels[channel].reshape(-1, view.resolution)[:kept]
-        if progress is not None:
-            progress((first + kept) / view.resolution)
+    maps = _maps(scene, view, rows, lambda eye, _: follow(scene, film_rays(eye)), progress)
     return Observation(
         **maps,
         stone=stone,
@@ -78,6 +65,102 @@ def observe(
         variant=variant,
         seconds=time.perf_counter() - start,
     )
+
+
+def observe_sets(
+    stone: Stone,
+    view: View,
+    model: Model | None = None,
+    *,
+    sets: int,
+    seed: int = 1,
+    birefringence: bool = False,
+    variant: str = "llvm_ad_mono",
+    progress: Callable[[float], None] | None = None,
+) -> Iterator[Observation]:
+    """Trace independent sets of rays, each ray through a random place of its pixel.
+
+    Means over sets are unbiased, and their scatter tells the error: of a birefringent stone each ray has one
+    history of modes, drawn by its share.
+
+    Parameters
+    ----------
+    stone, view, model, variant
+        As of `observe`.
+    sets : int
+        How many.
+    seed : int
+        Seed of the random numbers, 0 or more.
+    birefringence : bool
+        Whether light is split in a birefringent stone.
+    progress : callable, optional
+        Called with the share done, 0 to 1, after each pass.
+
+    Yields
+    ------
+    Observation
+        Of a set.
+
+    Raises
+    ------
+    InputError
+        Unknown variant.
+    BackendError
+        Mitsuba cannot run here.
+    """
+    model = model or Model.of(stone)
+    ensure_variant(variant)
+    rows = rows_of_pass(view, PASS_RAYS)
+    described = stone_scene(stone, view, model, rows=rows, birefringence=birefringence)
+    described["sensor"]["sampling"] = "area"
+    scene, sampler = load_scene(described), load_scene({"type": "independent"})
+    for number in range(sets):
+        start = time.perf_counter()
+
+        def trace(eye: Any, first: int, number: int = number) -> dict[str, np.ndarray]:
+            of_pass = np.random.SeedSequence([seed, number, first]).generate_state(1)
+            sampler.seed(int(of_pass[0]), rows * view.resolution)
+            return follow(scene, film_rays(eye, sampler), sampler)
+
+        def go_on(done: float, number: int = number) -> None:
+            if progress is not None:
+                progress((number + done) / sets)
+
+        maps = _maps(scene, view, rows, trace, go_on)
+        yield Observation(
+            **maps,
+            stone=stone,
+            view=view,
+            model=model,
+            engine="mitsuba",
+            variant=variant,
+            seconds=time.perf_counter() - start,
+        )
+
+
+def _maps(
+    scene: Any,
+    view: View,
+    rows: int,
+    trace: Callable[[Any, int], dict[str, np.ndarray]],
+    progress: Callable[[float], None] | None,
+) -> dict[str, Any]:
+    """Return the maps of an observation, of channels that are traced in passes from a sensor and a row."""
+    eye = scene.sensors()[0]
+    maps: dict[str, Any] = {
+        name: np.empty((*view.shape, 3) if len(channels) == 3 else view.shape, dtype=MAP_TYPES[name])
+        for name, channels in MAP_CHANNELS.items()
+    }
+    for first, kept in view_passes(eye, view, rows):
+        channels = trace(eye, first)
+        for name, of_map in MAP_CHANNELS.items():
+            of_pass = maps[name][first : first + kept]
+            for k, channel in enumerate(of_map):
+                part = of_pass if len(of_map) == 1 else of_pass[..., k]
+                part[:] = channels[channel].reshape(-1, view.resolution)[:kept]
+        if progress is not None:
+            progress((first + kept) / view.resolution)
+    return maps
 
 
 def sensor_rays(view: View, *, variant: str) -> tuple[np.ndarray, np.ndarray]:
@@ -101,15 +184,15 @@ def sensor_rays(view: View, *, variant: str) -> tuple[np.ndarray, np.ndarray]:
     return origin, direction
 
 
-def follow(scene: Any, ray: Any) -> dict[str, np.ndarray]:
-    """Follow rays by the scene's integrator; return its channels, each (n,).
+def follow(scene: Any, ray: Any, sampler: Any = None) -> dict[str, np.ndarray]:
+    """Follow rays by the scene's integrator; return its channels, each (n,). Modes are drawn by a sampler.
 
     Neither light nor film is asked: with one sample a pixel the film would only copy, and that costs half as
     much as the rays.
     """
     import drjit as dr
 
-    aovs = scene.integrator().measure(scene, ray)
+    aovs = scene.integrator().measure(scene, ray, sampler)
     dr.eval(aovs)
     names = scene.integrator().aov_names()
     return {name: np.asarray(values) for name, values in zip(names, aovs, strict=True)}

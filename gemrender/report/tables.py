@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from gemrender.crosscheck import CrossCheck
+from gemrender.crosscheck import CrossCheck, ScoreCheck
 from gemrender.observation import bound_text
 from gemrender.report.formats import Cell, Column, TextTable
 from gemrender.scoring import BAND_EDGES, Band, Score
@@ -27,6 +27,7 @@ __all__ = [
     "how_text",
     "measure_columns",
     "model_text",
+    "score_check_table",
     "score_record",
     "score_table",
     "score_tables",
@@ -319,7 +320,32 @@ def crosscheck_tables(checks: Sequence[CrossCheck]) -> list[TextTable]:
     return [rays, scores]
 
 
-def crosscheck_record(check: CrossCheck) -> dict[str, Any]:
+def score_check_table(checks: Sequence[ScoreCheck]) -> TextTable:
+    """Return a table, a row a stone: how means over random rays agree with exact scores."""
+    bands = [Column(f"Δ {band_name(b)}", rank=1 + k) for k, b in enumerate(checks[0].bands)]
+    numbers = [*map(Column, ("Rays", "ΔAverage", "±", "ΔRear", "±")), *bands]
+    table = TextTable([Column("Stone", is_text=True), *numbers, Column("Lost", rank=1), Column("")])
+    for c in checks:
+        table.rows.append([
+            c.name,
+            f"{c.rays}",
+            f"{c.average:+.4f}",
+            f"{c.average_allowed:.4f}",
+            f"{c.rear:+.4f}",
+            f"{c.rear_allowed:.4f}",
+            *(f"{b.share:+.4f}" for b in c.bands),
+            f"{c.lost:.4f}",
+            Cell("differs", "red") if c.failures else Cell("agrees", "green"),
+        ])  # fmt: skip
+    table.note("Differences are Mitsuba's mean over random rays minus the exact score, in per cent.")
+    table.note("±: what its bound, and scatter and number of the rays, allow with a confidence of 99.9 %.")
+    for c in checks:
+        for failure in c.failures:
+            table.note(f"{c.name}: {failure}", "red")
+    return table
+
+
+def crosscheck_record(check: CrossCheck | ScoreCheck) -> dict[str, Any]:
     """Return a cross-check as one flat record."""
     values = check.to_dict()
     bands = values.pop("bands")
@@ -327,5 +353,6 @@ def crosscheck_record(check: CrossCheck) -> dict[str, Any]:
     failures = values.pop("failures")
     values["seconds"], values["reference_seconds"] = values["seconds"]
     shares = {f"band_{band['from']:g}": band["difference"] for band in bands}
+    shares |= {f"band_{band['from']:g}_allowed": band["allowed"] for band in bands if "allowed" in band}
     first = {"name": values.pop("name"), "engine": engine, "reference": reference}
     return {**first, **values, **shares, "failures": list(failures)}

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from gemrender.observation import Model, View
+from gemrender.observation import Model, View, indicatrix_of
+from gemrender.optics.crystals import Indicatrix
 from gemrender.stone import Stone
 
 __all__ = ["film", "integrator", "sensor", "stone_scene"]
@@ -17,6 +18,7 @@ def stone_scene(
     *,
     rows: int | None = None,
     follow: str = "principal",
+    birefringence: bool = False,
 ) -> dict[str, Any]:
     """Return the scene of the paper: the stone under a uniform upper hemisphere, seen by parallel rays.
 
@@ -32,6 +34,9 @@ def stone_scene(
         Rows of the film, where a map is rendered in passes; by default the view's.
     follow : {"principal", "all"}
         Which light is followed; all of it by random numbers.
+    birefringence : bool
+        Whether light is split in a birefringent stone, by random numbers too; if not, it has its ordinary
+        index.
 
     Returns
     -------
@@ -40,15 +45,17 @@ def stone_scene(
     """
     from gemrender.scene.mesh import stone_mesh
 
+    crystal = indicatrix_of(stone, model) if birefringence else None
     scene = {
         "type": "scene",
-        "integrator": integrator(model),
+        "integrator": integrator(model, crystal),
         "sensor": sensor(view, rows=rows),
         "light": {"type": "gem_hemisphere"},
         "stone": stone_mesh(stone, bsdf=dielectric(model.index)),
     }
     if follow != "principal":
         scene["integrator"]["follow"] = follow
+    if follow != "principal" or crystal is not None:
         scene["sensor"]["sampler"] = {"type": "independent", "sample_count": 1}
     return scene
 
@@ -58,13 +65,15 @@ def dielectric(index: float) -> dict[str, Any]:
     return {"type": "dielectric", "int_ior": index, "ext_ior": 1.0}
 
 
-def integrator(model: Model) -> dict[str, Any]:
-    """Return the integrator that follows the model."""
+def integrator(model: Model, crystal: Indicatrix | None = None) -> dict[str, Any]:
+    """Return the integrator that follows the model, of a crystal in its modes."""
+    inside: dict[str, Any] = {"int_ior": model.index, "ext_ior": 1.0, "fresnel": model.fresnel}
+    if crystal is not None:
+        axes = {"c_axis": crystal.frame[2].tolist(), "a_axis": crystal.frame[0].tolist()}
+        inside = {"principal": crystal.indices.tolist(), **axes, "ext_ior": 1.0, "fresnel": "exact"}
     return {
         "type": "gem_primary",
-        "int_ior": model.index,
-        "ext_ior": 1.0,
-        "fresnel": model.fresnel,
+        **inside,
         "rear": model.rear,
         "intensity": model.intensity,
         "max_reflections": model.max_reflections,

@@ -21,7 +21,15 @@ if TYPE_CHECKING:
 __all__ = ["write_photoreal", "write_scene"]
 
 
-def write_scene(folder: str | os.PathLike[str], name: str, stone: Stone, view: View, model: Model) -> Path:
+def write_scene(
+    folder: str | os.PathLike[str],
+    name: str,
+    stone: Stone,
+    view: View,
+    model: Model,
+    *,
+    birefringence: bool = False,
+) -> Path:
     """Write `name`.xml and `name`.ply, which `mi.load_file` reads once the plugins are registered.
 
     Needs a Mitsuba variant (`gemrender.render.backend.ensure_variant`). Both files are written whole or
@@ -35,6 +43,8 @@ def write_scene(folder: str | os.PathLike[str], name: str, stone: Stone, view: V
         Stem of both files.
     stone, view, model : Stone, View, Model
         What the scene shows, and how.
+    birefringence : bool
+        Whether light is split in a birefringent stone.
 
     Returns
     -------
@@ -46,7 +56,7 @@ def write_scene(folder: str | os.PathLike[str], name: str, stone: Stone, view: V
     InputError
         The folder cannot be written.
     """
-    scene = stone_scene(stone, view, model)
+    scene = stone_scene(stone, view, model, birefringence=birefringence)
     meshes = {"stone": scene.pop("stone")}
     heading = _heading(stone.name, name, "llvm_ad_mono")
     return _write(Path(folder), name, scene, meshes, {"stone": dielectric(model.index)}, heading)

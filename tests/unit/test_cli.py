@@ -127,6 +127,8 @@ BAD_INPUT = {
     f"{SCORE} --out text.toml": "--out = 'text.toml': must be a folder that can be written: is a file",
     f"{SCORE} --out text.toml/x": "--out = 'text.toml/x': must be a folder that can be written: Not a dir",
     f"{SCORE} --out /proc/x": "--out = '/proc/x': must be a folder that can be written: ",
+    "scene x --setup studio --stock --birefringence --out x": "--birefringence = True: is not for --stock",
+    "crosscheck inoue-1 --birefringence --resolution 0": "--resolution = 0: must be from 1 to 16384",
     "scene inoue-1 --out text.toml": "--out = 'text.toml': must be a folder that can be written: is a file",
 }
 #: The same, where an argument is empty or holds spaces.
@@ -269,6 +271,22 @@ def test_scene_writes_both_files(folder, gemrender, variant_llvm_ad_mono):
     assert names("s") == {"inoue-1.ply", "inoue-1.xml", "inoue-3.ply", "inoue-3.xml"}
 
 
+def test_scored_scenes_split_light_where_they_are_told_to(folder, gemrender, variant_llvm_ad_mono):
+    for option, told in (("--birefringence", True), ("--no-birefringence", False), ("--resolution=8", False)):
+        assert gemrender("scene", "inoue-3", "--material", "topaz", "--out", "s", option)[0] == 0
+        assert ('<vector name="principal"' in Path("s/inoue-3.xml").read_text()) == told
+
+
+def test_scenes_of_pictures_split_light_unless_they_are_told_not_to(
+    folder, gemrender, variant_llvm_ad_spectral
+):
+    options = ("--material", "topaz", "--setup", "hemisphere", "--out", "s")
+    for option, told in (((), False), (("--birefringence",), False), (("--no-birefringence",), True)):
+        assert gemrender("scene", "inoue-3", *options, *option)[0] == 0
+        text = Path("s/inoue-3-hemisphere.xml").read_text()
+        assert ('<boolean name="birefringence" value="false"/>' in text) == told
+
+
 def test_stones_lists_the_bundled_ones(gemrender):
     status, out, _ = gemrender("stones")
     assert status == 0
@@ -391,6 +409,20 @@ def test_crosscheck_agrees_with_status_0(gemrender, variant_llvm_ad_mono):
     others = ("mitsuba", "exact")
     assert pairs == [(name, e, "reference") for name in ("Inoue sample 3", "random 1.1") for e in others]
     assert all(check["failures"] == [] for check in checks)
+
+
+def test_crosscheck_of_split_light_compares_scores(gemrender, variant_llvm_ad_mono):
+    options = ("--material", "sapphire", "--birefringence", "--resolution", "64")
+    status, out, err = gemrender("crosscheck", "inoue-3", "--random", "1", *options, "--json")
+    assert (status, err) == (0, "")
+    checks = json.loads(out)
+    assert [(c["name"], *c["engines"]) for c in checks] == [
+        (name, "mitsuba", "exact") for name in ("Inoue sample 3", "random 1.1")
+    ]
+    assert all(check["failures"] == [] for check in checks)
+    table = gemrender("crosscheck", "inoue-3", *options)[1]
+    for word in ("ΔAverage", "±", "ΔRear", "agrees", "99.9 %"):
+        assert word in table
 
 
 def test_crosscheck_that_differs_has_status_1_and_still_prints(gemrender, monkeypatch, variant_llvm_ad_mono):

@@ -24,6 +24,7 @@ COMMANDS = {
     "symmetry": ["symmetry", "inoue-3", "--draws", "2", *FAST],
     "tilt": ["tilt", "inoue-3", "--to", "5", "--step", "5", "--measures", "inoue,iso"],
     "crosscheck": ["crosscheck", "inoue-3", "--resolution", "16"],
+    "crosscheck-birefringence": ["crosscheck", "inoue-3", "--birefringence", "--resolution", "16"],
     "stones": ["stones"],
     "setups": ["setups"],
     "materials": ["materials"],

@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 from observations import STONE, observation
 
-from gemrender.crosscheck import LONG_PATH, crosscheck
+from gemrender.crosscheck import LONG_PATH, UNSEEN_RAYS, compare_scores, crosscheck
 from gemrender.cuts import load_stone
+from gemrender.measures.tally import SETS, STUDENT_T
 from gemrender.observation import Model, RayStatus, View
+from gemrender.scoring import score_pixels
 
 #: Pixels a side, all of them covered: one pixel is 0.01 %.
 N = 100
@@ -122,4 +124,71 @@ def test_the_json_has_the_failures_in_words():
     assert out["name"] == STONE.name
     assert out["lost"] == 0.01
     assert list(out["bands"][0]) == ["from", "to", "difference"]
+    assert len(out["failures"]) == 1
+
+
+# ---- Scores of rays of one's own -----------------------------------------------------------------------
+
+#: Sets whose Average scatters by 0.1 about that of the truth, and whose other shares are the truth's.
+APART = 0.1
+EXACT = dataclasses.replace(score_pixels(TRUTH), engine="exact", bound=0.02)
+SETS_OF_RAYS = [
+    dataclasses.replace(score_pixels(TRUTH), average=EXACT.average + (APART if k % 2 else -APART))
+    for k in range(SETS)
+]
+#: What is allowed by the bound and the scatter: the standard deviation of 16 sets, by that of the mean.
+SCATTER = STUDENT_T * APART * np.sqrt(SETS / (SETS - 1)) / np.sqrt(SETS)
+
+
+#: What all rays may miss, of a million.
+RAYS, UNSEEN = 1_000_000, 100 * UNSEEN_RAYS / 1_000_000
+
+
+def moved(**values):
+    return [dataclasses.replace(of, **values) for of in SETS_OF_RAYS]
+
+
+def test_means_are_compared_within_bound_and_scatter():
+    check = compare_scores(SETS_OF_RAYS, EXACT, rays=RAYS)
+    assert (check.rays, check.engines, check.failures) == (RAYS, (SETS_OF_RAYS[0].engine, "exact"), [])
+    assert check.average == pytest.approx(0.0, abs=1e-12)
+    assert check.average_allowed == pytest.approx(0.02 + UNSEEN + SCATTER)
+    assert check.rear == 0.0
+    assert (check.rear_allowed, *check.bands_allowed) == pytest.approx((0.02 + UNSEEN,) * 7)
+
+
+def test_what_no_ray_has_seen_is_allowed_as_the_probability_of_that_is():
+    """Of 1000 rays none meets a share p with the probability (1 - p)^1000: 0.1 % of 0.69 %."""
+    allowed = compare_scores(SETS_OF_RAYS, EXACT, rays=1000).bands_allowed[0] - EXACT.bound
+    assert (1 - allowed / 100) ** 1000 == pytest.approx(1e-3, rel=0.05)
+
+
+@pytest.mark.parametrize("by", [0.95, 1.05])
+def test_a_mean_further_away_fails(by):
+    apart = by * (0.02 + UNSEEN + SCATTER)
+    of = [dataclasses.replace(one, average=one.average + apart) for one in SETS_OF_RAYS]
+    told = compare_scores(of, EXACT, rays=RAYS).failures
+    assert [words.partition(" by ")[0] for words in told] == (["Average differs"] if by > 1 else [])
+
+
+BAND = tuple(dataclasses.replace(b, share=b.share + 0.03 * (b.low == 15)) for b in EXACT.bands)
+
+
+@pytest.mark.parametrize(
+    ("values", "told"),
+    [
+        ({"rear": 0.03}, "Rear differs by +0.0300, at most 0.0207 is allowed"),
+        ({"rear": float("nan")}, "Rear differs by +nan, at most nan is allowed"),
+        ({"lost": 0.01}, "0.0100 % of rays are lost, at most 0.001 % may be"),
+        ({"bands": BAND}, "the band from 15 differs by +0.0300, at most 0.0207 is allowed"),
+    ],
+    ids=["rear", "nan", "lost", "band"],
+)
+def test_each_value_has_its_tolerance(values, told):
+    assert compare_scores(moved(**values), EXACT, rays=RAYS).failures == [told]
+
+
+def test_the_json_has_what_is_allowed():
+    out = json.loads(json.dumps(compare_scores(moved(rear=0.03), EXACT, rays=RAYS).to_dict()))
+    assert list(out["bands"][0]) == ["from", "to", "difference", "allowed"]
     assert len(out["failures"]) == 1

@@ -18,6 +18,7 @@ from gemrender.beam.modes.images import angle_of_images, reflect_images, write_f
 from gemrender.beam.modes.lists import AREA, ENTERING, SECTION, WEIGHT
 from gemrender.beam.modes.shares import into_air, meet, ray_of, wave_vector_of, write_entering
 from gemrender.beam.modes.waves import BACK
+from gemrender.beam.random_numbers import next_random
 from gemrender.observation import RayStatus
 
 __all__ = ["ModeRays", "empty_mode_rays", "enter_mode_rays", "follow_mode_rays", "start_mode_rays"]
@@ -69,17 +70,6 @@ def empty_mode_rays(
     )
 
 
-@jit_inner
-def _random(states: Any, r: int) -> float:
-    """Return a random number from 0 to below 1 (Marsaglia's xorshift64, with Vigna's multiplier)."""
-    x = states[r]
-    x ^= x >> np.uint64(12)
-    x ^= x << np.uint64(25)
-    x ^= x >> np.uint64(27)
-    states[r] = x
-    return float((x * np.uint64(0x2545F4914F6CDD1D)) >> np.uint64(11)) * 2.0**-53
-
-
 @jit
 def start_mode_rays(
     polygons: Any, nodes: Any, waves: Any, cells: Any, basis: Any, planes: Any, rays: Any
@@ -104,7 +94,7 @@ def start_mode_rays(
         first = polygons.facts[i - 1, 0] if i > 0 else 0
         n, corners, beam = polygons.facts[i, 0] - first, polygons.corners, polygons.numbers[i]
         # A triangle of the fan, by its area, and a place in it
-        wanted, total, k = _random(rays.random, r) * 2.0 * beam[AREA], 0.0, 1
+        wanted, total, k = next_random(rays.random, r) * 2.0 * beam[AREA], 0.0, 1
         while True:
             ax, ay = corners[first + k, 0] - corners[first, 0], corners[first + k, 1] - corners[first, 1]
             bx, by = (
@@ -115,7 +105,7 @@ def start_mode_rays(
             if total >= wanted or k == n - 2:
                 break
             k += 1
-        s, t = _random(rays.random, r), _random(rays.random, r)
+        s, t = next_random(rays.random, r), next_random(rays.random, r)
         if s + t > 1.0:
             s, t = 1.0 - s, 1.0 - t
         u, v = corners[first, 0] + s * ax + t * bx, corners[first, 1] + s * ay + t * by
@@ -171,7 +161,7 @@ def enter_mode_rays(solid: Any, crystal: Any, basis: Any, points: Any, facet: An
             t, entry, nx, ny, nz = at, planes.shape[0], x + at * dx, y + at * dy, 0.0
         write_entering(crystal, nx, ny, nz, dx, dy, dz, facet)
         entering = facet.entering[0] + facet.entering[1]
-        mode = 0 if _random(rays.random, r) * entering < facet.entering[0] else 1
+        mode = 0 if next_random(rays.random, r) * entering < facet.entering[0] else 1
         cos = -(dx * nx + dy * ny + dz * nz)
         numbers[X], numbers[X + 1], numbers[X + 2] = x + t * dx, y + t * dy, z + t * dz
         _go_on(mode, cos, 1.0, dx, dy, dz, numbers, facet)
@@ -295,7 +285,7 @@ def follow_mode_rays(solid: Any, crystal: Any, rules: Any, facet: Any, now: Any,
                 if not rules.follows_all:
                     break
                 row = n + r
-            elif passed > 0.0 and _random(rays.random, r) * (passed + back) < passed:
+            elif passed > 0.0 and next_random(rays.random, r) * (passed + back) < passed:
                 numbers[FACTOR] *= (passed + back) / passed
                 _write_exit(numbers, facts, surface, nx, ny, nz, along, passed, rays, row)
                 break
@@ -306,7 +296,7 @@ def follow_mode_rays(solid: Any, crystal: Any, rules: Any, facet: Any, now: Any,
                 facts[PARTIAL] += 1
             if back == 0.0:  # nothing goes on
                 break
-            mode = 0 if _random(rays.random, r) * back < first else 1
+            mode = 0 if next_random(rays.random, r) * back < first else 1
             _go_on(mode, along, numbers[SECTION_], kx, ky, kz, numbers, facet)
             if rays.images.shape[0] and facts[PARTIAL] == 0:
                 reflect_images(crystal, nx, ny, nz, facet, rays.images[r])
