@@ -16,8 +16,8 @@ from gemrender.beam.modes import score_modes
 from gemrender.cuts import orientation
 from gemrender.errors import InputError
 from gemrender.observation import indicatrix_of
+from gemrender.optics import refractive_index
 from gemrender.optics.crystals import Indicatrix, optic_axes
-from gemrender.optics.materials import refractive_index
 from gemrender.render.observe import film_rays
 from gemrender.scene import stone_scene
 
