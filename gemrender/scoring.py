@@ -13,6 +13,7 @@ from gemrender.engines import (
     engine_for,
     measure,
     observe,
+    observe_sets,
     trace_paths,
 )
 from gemrender.errors import InputError
@@ -124,8 +125,8 @@ class Score(Tabled):
     seconds : float
         Time of the trace [s].
     bound : float or None
-        Of an exact score: Average, Rear and every band are within this of the truth, each with a confidence
-        of 99.9 % [%].
+        Of an exact score, and of Mitsuba's random rays: Average, Rear and every band are within this of the
+        truth, each with a confidence of 99.9 % [%].
     facets : FacetSizes or None
         Of an exact score: number and sizes of the virtual facets.
     assumed : tuple of str
@@ -268,9 +269,9 @@ def score(
         What to measure besides the paper's score: names (`gemrender.measures`), several with commas between
         them, `all`, or measures of your own.
     birefringence : bool
-        Whether the exact engine splits light in a birefringent stone, whose crystal lies as the stone says.
-        By default such a stone has its ordinary index alone (biaxial: its middle one), as in all engines. An
-        index of your own is an isotropic stone's.
+        Whether light is split in a birefringent stone, whose crystal lies as the stone says. By default such
+        a stone has its ordinary index alone (biaxial: its middle one). An index of your own is an isotropic
+        stone's. Mitsuba's rays, for stones that are not convex, are random then, and have a bound.
     **options
         As of `TraceOptions`.
 
@@ -294,17 +295,53 @@ def score(
     check_head(head)
     if engine_for(engine, stone) != "exact":
         if birefringence:
-            raise InputError(
-                "light is split in birefringent convex stones by the exact engine alone",
-                key="birefringence",
-                value=birefringence,
-            )
+            if engine == "reference" or chosen is not None:
+                of = (
+                    "by the engines exact and mitsuba"
+                    if chosen is None
+                    else "for measures by the exact engine"
+                )
+                raise InputError(f"light is split {of} alone", key="birefringence", value=birefringence)
+            return _split_by_rays(stone, options)
         found = score_observation(observe(stone, engine=engine, **options))
         return found if chosen is None else add_measures(found, stone, engine, chosen, head, options)
     measured, view, model = measure(
         stone, measures=chosen or (), head=head, birefringence=birefringence, **options
     )
     return score_measurement(measured, stone, view, model, with_measures=chosen is not None)
+
+
+def _split_by_rays(stone: Stone, options: TraceOptions) -> Score:
+    """Score a birefringent stone by Mitsuba, which draws the modes of rays."""
+    import numpy as np
+
+    from gemrender.measures.tally import SETS, bounds_of_sets
+    from gemrender.observation import indicatrix_of
+
+    of_exact = ("bound", "time_limit", "memory_limit")
+    asked: Any = {key: value for key, value in options.items() if key not in of_exact}
+    sets: list[Score] = []
+    notes: tuple[str, ...] = ()
+    for seen in observe_sets(stone, sets=SETS, birefringence=True, **asked):
+        sets.append(score_pixels(seen))
+        if not notes and (crystal := indicatrix_of(stone, seen.model)) is not None:
+            indices = ", ".join(f"{index:.5f}" for index in dict.fromkeys(crystal.indices.tolist()))
+            notes = (f"light is split: indices {indices}",)
+    found = np.array([[s.average, s.rear, s.trapped, s.lost, *(b.share for b in s.bands)] for s in sets])
+    average, rear, trapped, lost, *shares = found.mean(axis=0).tolist()
+    bands = zip(sets[0].bands, shares, strict=True)
+    return replace(
+        sets[0],
+        average=average,
+        rear=rear,
+        trapped=trapped,
+        lost=lost,
+        bands=tuple(replace(band, share=share) for band, share in bands),
+        resolution=round(sets[0].resolution * SETS**0.5) if sets[0].resolution else None,
+        bound=float(bounds_of_sets(found).max()),
+        notes=notes,
+        seconds=sum(s.seconds for s in sets),
+    )
 
 
 def chosen_or_none(

@@ -85,7 +85,7 @@ def score(
     birefringence: Annotated[
         bool,
         typer.Option(
-            help="Whether birefringent stones split light (exact engine), or have their ordinary index.",
+            help="Whether birefringent stones split light, or have their ordinary index.",
             rich_help_panel=MODEL,
         ),
     ] = False,

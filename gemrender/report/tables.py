@@ -67,10 +67,12 @@ def model_text(score: Score) -> str:
 
 def how_text(score: Score) -> str:
     """Say in words how a stone was scored: by how many rays and what, or exactly and how exactly."""
+    within = f", every figure within ±{bound_text(score.bound or 0.0)}"
     if score.resolution is None:
-        return f"{score.engine}, every figure within ±{bound_text(score.bound or 0.0)}"
+        return score.engine + within
     engine = f"{score.engine} ({score.variant})" if score.variant else score.engine
-    return f"{score.resolution} × {score.resolution} rays, {engine}"
+    rays = f"{score.resolution} × {score.resolution} rays, {engine}"
+    return rays if score.bound is None else rays + within
 
 
 # ---- Scores --------------------------------------------------------------------------------------------

@@ -8,8 +8,10 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
+from any_stones import hollow_stone
 from mode_rays import tree
-from physics_tolerances import COORDINATE, SINGLE_INTENSITY
+from physics_tolerances import COORDINATE, SAMPLING_512, SINGLE_INTENSITY
+from refusals import refused
 
 from gemrender import Model, RayStatus, View, load_stone, score
 from gemrender.beam.modes import score_modes
@@ -30,6 +32,8 @@ MOST_ALIKE = 0.998
 #: Directions and intensities [%] of a path of some ten reflections, by two ways in double precision, told in
 #: single.
 ANGLE, PERCENT = COORDINATE, SINGLE_INTENSITY
+#: Average and Rear of 384 x 384 pixels of a grid, by sampling [%]: twice that of 512 x 512 (`SAMPLING_512`).
+ONE_GRID = 2 * SAMPLING_512
 #: Half the width of a window that is next to a point [girdle radius].
 NEXT_TO = 1e-6
 #: Paths of a smaller share of the light are not looked for: a thousand times as many have it.
@@ -284,3 +288,34 @@ def test_what_draws_must_be_random(variant_llvm_ad_mono, birefringence, kind):
     sampler = None if kind is None else mi.load_dict({"type": kind, "sample_count": 1, "jitter": False})
     with pytest.raises(InputError, match=r"sampler = .*: must be a random one"):
         scene.integrator().measure(scene, film_rays(scene.sensors()[0]), sampler)
+
+
+# ---- Scores by random rays -----------------------------------------------------------------------------
+
+
+def test_mitsubas_score_of_a_birefringent_stone_is_the_exact_one_within_both_bounds(variant_llvm_ad_mono):
+    stone = made_of("sapphire", SLANTED, "corundum-round")
+    found = score(stone, engine="mitsuba", birefringence=True, resolution=384)
+    exact = score(stone, engine="exact", birefringence=True)
+    assert found.bound < 0.3
+    allowed = found.bound + exact.bound
+    assert abs(found.average - exact.average) <= allowed
+    assert abs(found.rear - exact.rear) <= allowed
+    assert found.notes == exact.notes == ("light is split: indices 1.76808, 1.76000",)
+
+
+def test_a_hollow_stone_of_nearly_one_index_scores_as_of_one(variant_llvm_ad_mono, tmp_path):
+    form = 'formula = "cauchy"\ncoefficients = [{}]\nrange_nm = [380, 760]\n'
+    file = tmp_path / "nearly.toml"
+    file.write_text(f"[index]\n{form.format(1.8)}[index_e]\n{form.format(1.800001)}", encoding="utf-8")
+    stone = replace(hollow_stone(), material=str(file))
+    found = score(stone, birefringence=True, resolution=384)
+    one = score(replace(stone, material=1.8), resolution=384)
+    assert (found.engine, found.lost) == ("mitsuba", 0.0)
+    assert abs(found.average - one.average) <= found.bound + ONE_GRID
+    assert abs(found.rear - one.rear) <= found.bound + ONE_GRID
+
+
+def test_light_is_not_split_by_the_reference_nor_for_measures_of_a_hollow_stone():
+    refused(lambda: score("inoue-3", engine="reference", birefringence=True), "birefringence")
+    refused(lambda: score(hollow_stone(), birefringence=True, measures="iso"), "birefringence")
