@@ -6,12 +6,17 @@ import mitsuba as mi
 import numpy as np
 import pytest
 from physics_tolerances import SINGLE_RADIANCE, Z
-from test_birefringent_stones import mesh, plate
+from test_birefringent_stones import FURNACE, mesh, plate
 
 #: Pixels of a block, whose means are compared.
 BLOCK = 4
 #: Mean over the first channels of a block that is lit [radiance of the light].
 LIT = 0.1
+#: A square of 2 x 2, by a camera straight above, in light from everywhere.
+FROM_ABOVE = {
+    "light": FURNACE, "origin": [0, 0, 10], "up": [0, 1, 0], "type": "orthographic", "half_width": 1.0,
+    "seeds": [1], "spp": 4,
+}  # fmt: skip
 
 
 def stokes(integrator, stone, *, light, origin, up, seeds, target=(0, 0, 0), spp=256, size=24, **camera):
@@ -106,13 +111,7 @@ def test_what_comes_through_a_filter_is_polarised_along_it(variant_llvm_ad_mono_
     seen = stokes(
         {"type": "gem_path", "analyser": [1.0, 0.0, 0.0]},
         mesh(plate(0.5), material="moissanite", c_axis=[0.3, -0.5, 0.8]),
-        light={"type": "constant", "radiance": {"type": "uniform", "value": 1.0}},
-        origin=[0, 0, 10],
-        up=[0, 1, 0],
-        type="orthographic",
-        half_width=1.0,
-        seeds=[1],
-        spp=4,
+        **FROM_ABOVE,
     )
     along = np.broadcast_to([1.0, 1.0, 0.0, 0.0], seen.shape)
     assert seen == pytest.approx(seen[..., :1] * along, abs=10 * SINGLE_RADIANCE)
@@ -123,12 +122,6 @@ def test_the_sky_beside_a_stone_is_unpolarised(variant_llvm_ad_mono_polarized):
     seen = stokes(
         {"type": "gem_path"},
         mesh(plate(0.1), material="diamond"),
-        light={"type": "constant", "radiance": {"type": "uniform", "value": 1.0}},
-        origin=[0, 0, 10],
-        up=[0, 1, 0],
-        type="orthographic",
-        half_width=1.0,
-        seeds=[1],
-        spp=4,
+        **FROM_ABOVE,
     )
     assert np.array_equal(seen[0, :4], np.broadcast_to([1.0, 0.0, 0.0, 0.0], seen[0, :4].shape))
