@@ -116,7 +116,7 @@ _COLOURS: dict[str, _Colour] = {
     "green tourmaline": _Colour(
         crystal="tourmaline",
         absorption=pleochroism.green_tourmaline,
-        source="Mattson & Rossman (1987)",
+        source="Mattson & Rossman (1987, 1988)",
         note=_PLEOCHROIC,
     ),
     "blue zircon": _Colour(
