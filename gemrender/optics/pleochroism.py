@@ -89,7 +89,7 @@ def green_tourmaline() -> tuple[Table, ...]:
     """Return the absorption of a green elbaite: its ordinary ray is nearly dark [1/mm].
 
     Fe2+ at 720 and 1100 nm, ten times as strong in the ordinary ray where Fe3+ is beside it: Mattson &
-    Rossman, Phys. Chem. Miner. 14, 163 (1987); the charge transfer from Fe2+ to Ti4+ at 415 nm, and its width:
+    Rossman, Phys. Chem. Miner. 14, 163 (1987); the charge transfer from Fe2+ to Ti4+ at 415 nm:
     Mattson & Rossman, Phys. Chem. Miner. 16, 78 (1988), of other minerals.
     """
     iron = band(13900, 1.0, below=4600, above=4200) + band(9100, 0.8, below=3000, above=3000)
