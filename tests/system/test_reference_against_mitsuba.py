@@ -18,6 +18,7 @@ from critical import at_critical_angle
 from observations import ROOT
 from physics_tolerances import COORDINATE, ONE_DECIMAL, SAME_PATH, SAMPLING_512
 from solids import bent_stone, cleft_heart, star_prism
+from thorough import some
 
 import gemrender.render.observe as by_mitsuba
 from gemrender import Model, RayStatus, RoundBrilliant, Stone, View, load_stone
@@ -77,7 +78,7 @@ def test_samples_of_the_paper(variant_llvm_ad_mono, name):
     assert_agree(load_stone(name), 256)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", some(range(6), 2))
 def test_random_stones(variant_llvm_ad_mono, seed):
     assert_agree(Stone.from_proportions(random_brilliant(np.random.default_rng(seed))))
 
@@ -91,7 +92,7 @@ def test_measured_stone(variant_llvm_ad_mono, rng):
     # Every vertex moved at random by 0.1 % of the radius: bent kites, an outline that is not round.
     stone = stone_from_vertices(sample().vertices() + rng.normal(scale=1e-3, size=(N_VERTICES, 3)))
     assert not stone.is_round
-    assert_agree(stone)
+    assert_agree(stone, 96)
 
 
 @pytest.mark.parametrize("stone", DESIGNS, ids=lambda stone: stone.name)
