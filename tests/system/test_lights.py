@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import subprocess
+import runpy
 import sys
 from dataclasses import replace
 
@@ -68,14 +68,16 @@ def test_the_weight_of_two_densities_is_a_number(density, other, weight, variant
 
 
 @pytest.mark.parametrize("setups", chosen(["2", "20"], ["2"]))
-def test_random_setups_make_pictures_of_numbers(setups):
-    script = [sys.executable, str(ROOT / "scripts" / "fuzz_setups.py"), "--show"]
-    options = ["--setups", setups, "--size", "8", "--samples", "2", "--seed", "3"]
-    done = subprocess.run([*script, *options], capture_output=True, text=True)
-    assert done.returncode == 0, done.stdout + done.stderr
+def test_random_setups_make_pictures_of_numbers(setups, monkeypatch, capsys):
+    script = str(ROOT / "scripts" / "fuzz_setups.py")
+    options = ["--setups", setups, "--size", "8", "--samples", "2", "--seed", "3", "--show"]
+    monkeypatch.setattr(sys, "argv", [script, *options])
+    status = runpy.run_path(script)["main"]()
+    told = capsys.readouterr().out
+    assert status == 0, told
     wrong = "samples left out", "not finite or negative", "refused without a reason", "traceback"
-    assert ", ".join(f"{name} 0" for name in wrong) in done.stdout
-    assert "rendered 0" not in done.stdout
+    assert ", ".join(f"{name} 0" for name in wrong) in told
+    assert "rendered 0" not in told
 
 
 # ---- Radiance ------------------------------------------------------------------------------------------

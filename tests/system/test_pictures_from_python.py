@@ -51,9 +51,11 @@ def test_it_takes_what_the_command_takes():
 
 
 def test_a_setting_is_that_of_the_command(folder, render):
+    # Under an even sky: without what is traced from lights
+    Path("sky.toml").write_text("[sky]\nradiance = 1\n")
     words = {"setting": "bezel", "metal": "gold", "girdle": "bruted"}
-    shown = gemrender.render("inoue-3", "window", **OPTIONS, **words)
-    render("inoue-3", "-o", "command.png", "--setup", "window", "--size", 32, "--spp", 8,
+    shown = gemrender.render("inoue-3", "sky.toml", **OPTIONS, **words)
+    render("inoue-3", "-o", "command.png", "--setup", "sky.toml", "--size", 32, "--spp", 8,
            *(text for key, word in words.items() for text in (f"--{key}", word)))  # fmt: skip
     assert shown.save("python.png").read_bytes() == Path("command.png").read_bytes()
     assert (shown.setup.setting.type, shown.setup.setting.metal, shown.setup.girdle) == (*words.values(),)

@@ -63,7 +63,7 @@ def test_the_light_is_the_same(setup):
     np.testing.assert_array_equal(albedo[inside], 1)
 
 
-@pytest.mark.parametrize("setup", chosen(["studio", "white"], ["studio"]))
+@pytest.mark.parametrize("setup", chosen(["studio", "white"], ["white"]))
 def test_ground_and_lights_beside_the_stone_are_gone(setup):
     cut = rendered(setup, transparent=True)
     front = cut.foreground
