@@ -365,7 +365,8 @@ def test_sensitivity_of_measures(gemrender):
     assert out.splitlines()[0].endswith("rear_bound,window,window_bound")
 
 
-def test_sensitivity_tells_cliffs(folder, gemrender):
+def test_sensitivity_tells_cliffs(folder, gemrender, monkeypatch):
+    monkeypatch.setattr("gemrender.sweep.cliffs.STEPS", 3)  # the nearest is the only one
     (folder / "roof.asc").write_text(ROOF, encoding="utf-8")
     (found,) = json.loads(gemrender("sensitivity", "roof.asc", "--cliffs", "--reach", "0.5", "--json")[1])
     assert list(found)[-1] == "cliffs"
