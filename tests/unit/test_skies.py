@@ -11,7 +11,7 @@ from gemrender.colorimetry import white_xyz
 from gemrender.errors import InputError
 from gemrender.scene.setup import Box, Setup, Sky, load_setup
 from gemrender.scene.sky_boxes import draw_studio
-from gemrender.scene.sky_image import KEPT_COLUMNS, read_sky_image
+from gemrender.scene.sky_image import read_sky_image
 
 #: Rows of drawn studios here: half a degree each; and what single precision, and edges of a pixel, come to.
 ROWS, SINGLE = 360, 1e-5
@@ -74,11 +74,13 @@ def test_negative_values_are_black(rng):
     np.testing.assert_array_equal(read_sky_image(write_exr("a.exr", pixels)), np.maximum(pixels, 0))
 
 
-def test_a_large_image_is_averaged_down_and_keeps_its_light():
-    pixels = np.zeros((KEPT_COLUMNS, 2 * KEPT_COLUMNS, 3), np.float32)
+def test_a_large_image_is_averaged_down_and_keeps_its_light(monkeypatch):
+    kept = 256
+    monkeypatch.setattr("gemrender.scene.sky_image.KEPT_COLUMNS", kept)
+    pixels = np.zeros((kept, 2 * kept, 3), np.float32)
     pixels[100, 101] = 400.0
     small = read_sky_image(write_exr("a.exr", pixels))
-    assert small.shape == (KEPT_COLUMNS // 2, KEPT_COLUMNS, 3)
+    assert small.shape == (kept // 2, kept, 3)
     assert small[50, 50, 0] == 100.0
     assert small.sum() == 300.0
 
