@@ -58,8 +58,8 @@ def corrupt(monkeypatch, value, lanes):
 
     def corrupted(self, scene, samples, ray, *args, **options):
         radiance, valid, aovs = trace(self, scene, samples, ray, *args, **options)
-        first = dr.arange(mi.UInt32, dr.width(ray)) < lanes
-        return dr.select(first, value, radiance), valid, aovs
+        first = dr.arange(mi.UInt32, dr.width(ray)) < dr.opaque(mi.UInt32, lanes)  # one kernel for all
+        return dr.select(first, dr.opaque(mi.Float, value), radiance), valid, aovs
 
     monkeypatch.setattr(integrator, "sample_with_aovs", corrupted)
 
