@@ -572,12 +572,12 @@ def row(way):
 def test_both_ways_to_find_facets_lead_to_the_same_light(variant_llvm_ad_spectral):
     # Along the same rays, with the same random numbers
     planes, other = (
-        traced(scene, camera_rays(scene, 64, 13, nm=500.0), 14).mean(axis=0)
+        traced(scene, camera_rays(scene, 16, 13, nm=500.0), 14).mean(axis=0)
         for scene in (row("planes"), row("embree"))
     )
     assert ((planes > 0.01) & (planes < 0.99)).mean() > 0.3
     assert (np.abs(planes - other) > SAME_WAY).mean() <= OTHER_WAY
     # The others went another way by chance: neither more nor less light
-    difference = (planes - other).reshape(-1, 64)
+    difference = (planes - other).reshape(-1, 16)
     error = math.sqrt(difference.var() / difference.size)
     assert abs(difference.mean()) <= THREE_SIGMA * error
