@@ -27,7 +27,8 @@ class Passes:
     Parameters
     ----------
     scene : mi.Scene
-        Scene of a spectral variant whose integrator is `gem_path`; its first sensor's film gives the size.
+        Scene of a spectral variant whose integrator is `gem_path`; its first sensor's film gives the size,
+        or else its shape.
     seed : int
         Seed.
     filter_radius : float
@@ -41,6 +42,9 @@ class Passes:
     caustics : bool
         Whether light that stones throw on diffuse surfaces is traced from the lights (see
         `gemrender.plugins.caustics.Caustics`), where that can be; else it is found from the eye, by chance.
+    size : (int, int), optional
+        Width and height [pixels], in the film's proportions. Mitsuba's cameras have the film's own size in
+        their kernels: films of one size for pictures of many have one kernel.
     pass_samples : int, optional
         About the samples of a pass, of all pixels; by default as many as are rendered fastest.
 
@@ -66,6 +70,7 @@ class Passes:
         bins_nm: Any = None,
         foreground: bool = False,
         caustics: bool = True,
+        size: tuple[int, int] | None = None,
         pass_samples: int | None = None,
     ) -> None:
         self.scene, self.seed, self.filter_radius = scene, seed, filter_radius
@@ -73,10 +78,10 @@ class Passes:
         scene.integrator().check(scene, self.sensor)
         self._pass_samples = pass_samples or lanes_at_once()
         self._tile_pixels = max(1, lanes_at_once() // _LEAST_SPP)
-        #: Windows side by side that the picture is of: each is as wide as the film.
+        #: Windows side by side that the picture is of: each has the film's proportions.
         self._windows = 1 if scene.integrator().right_analyser is None else 2
-        width, self.height = (int(n) for n in self.sensor.film().size())
-        self.width = self._windows * width
+        width, height = (int(n) for n in self.sensor.film().size())
+        self.width, self.height = size or (self._windows * width, height)
         self.bins_nm = None if bins_nm is None else np.asarray(bins_nm, dtype=np.float64)
         n_bins = 0 if self.bins_nm is None else len(self.bins_nm) - 1
         #: X, Y, Z, albedo, normal (3 each), coverage; the same of stones and what stands

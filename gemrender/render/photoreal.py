@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 import warnings
 from collections.abc import Callable, Sequence
@@ -19,7 +20,7 @@ from gemrender.render.passes import Passes
 from gemrender.render.picture import Foreground, Picture
 from gemrender.scene.loading import load_scene
 from gemrender.scene.moves import Move
-from gemrender.scene.photoreal import Gem, photoreal_scene
+from gemrender.scene.photoreal import Gem, check_size, photoreal_scene
 from gemrender.scene.setup import Setup
 from gemrender.stone import Stone
 
@@ -205,11 +206,14 @@ def render(
     check_variant(variant)
     ensure_variant(variant)
     started = time.perf_counter()
+    check_size(width, height)
+    window = setup.filters.window_width(width)
+    common = math.gcd(window, height)
     scene = photoreal_scene(
         gems,
         setup,
-        width=setup.filters.window_width(width),
-        height=height,
+        width=window // common,
+        height=height // common,
         dispersion=dispersion,
         birefringence=birefringence,
         turn_deg=turn_deg,
@@ -222,6 +226,7 @@ def render(
         filter_radius=FILTER_RADIUS,
         bins_nm=bins_nm,
         foreground=transparent,
+        size=(width, height),
         pass_samples=pass_samples,
     )
 

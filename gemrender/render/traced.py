@@ -87,7 +87,9 @@ class TracedFilm:
             channels += self._binned(counts, weight, nm)
             for pixel, share, shown in self._pixels(place, active):
                 for total, value in zip(sums, channels, strict=True):
-                    dr.scatter_add(total, mi.UInt64(dr.maximum(value, 0) * share), pixel, shown)
+                    counts_here = mi.UInt64(dr.maximum(value, 0) * share)
+                    # Copies for each thread, as by default, would have the film's size in the kernel
+                    dr.scatter_add(total, counts_here, pixel, shown, dr.ReduceMode.Local)
 
         n_channels = (3 if self._kept is None else 6) + len(
             self._binned(mi.Spectrum(0), mi.Spectrum(0), mi.Spectrum(0))

@@ -22,7 +22,7 @@ from gemrender.scene.surfaces import GROUND
 from gemrender.stone import ConvexSolid, Stone
 from gemrender.stone.solid import with_chords
 
-__all__ = ["MOST_PIXELS", "Gem", "PhotorealScene", "photoreal_scene", "title_of"]
+__all__ = ["MOST_PIXELS", "Gem", "PhotorealScene", "check_size", "photoreal_scene", "title_of"]
 
 #: How many times as large set-ups may be made, that a row of stones has room.
 _GROWN = tuple(1.25**k for k in range(12))
@@ -154,9 +154,7 @@ def photoreal_scene(
         A size that no picture has, a camera too near, a mesh that cuts a stone, or a move that a cup does not
         allow.
     """
-    for key, side in (("width", width), ("height", height)):
-        if not 1 <= side <= MOST_PIXELS:
-            raise InputError(f"must be from 1 to {MOST_PIXELS} [pixels]", key=f"size: {key}", value=side)
+    check_size(width, height)
     if setup.girdle == "faceted":
         gems = [replace(gem, stone=_faceted(gem.stone)) for gem in gems]
     first_mm = gems[0].diameter_mm
@@ -242,6 +240,19 @@ def photoreal_scene(
         surfaces=surfaces,
         built=built,
     )
+
+
+def check_size(width: int, height: int) -> None:
+    """Check the size of a picture [pixels].
+
+    Raises
+    ------
+    InputError
+        A size that no picture has.
+    """
+    for key, side in (("width", width), ("height", height)):
+        if not 1 <= side <= MOST_PIXELS:
+            raise InputError(f"must be from 1 to {MOST_PIXELS} [pixels]", key=f"size: {key}", value=side)
 
 
 # ---- Parts ---------------------------------------------------------------------------------------------
