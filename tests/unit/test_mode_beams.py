@@ -253,12 +253,6 @@ def test_what_is_isotropic_is_not_split(options):
     assert split.measures[0].values["value"] == 0.0
 
 
-def test_pixels_split_no_light_in_scores():
-    with pytest.raises(InputError) as caught:
-        score(made_of("moissanite"), birefringence=True, engine="mitsuba", resolution=8)
-    assert caught.value.key == "birefringence"
-
-
 def test_a_measure_over_all_views_is_refused(stone):
     with pytest.raises(InputError) as caught:
         score_modes(stone, principal=MOISSANITE, measures=chosen_measures("wlr-like"))
