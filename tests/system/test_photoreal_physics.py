@@ -203,10 +203,10 @@ def kernels(work):
     ],
 )
 def test_stone_cannot_be_seen_in_a_furnace(variant_llvm_ad_spectral, stone, material, nm):
-    # No absorption and light of radiance 1 from everywhere: radiance 1, whatever way it takes. Half a
-    # million samples; their only noise is Russian roulette.
+    # No absorption and light of radiance 1 from everywhere: radiance 1, whatever way it takes. A million
+    # samples; their only noise is Russian roulette.
     passes = Passes(furnace(STONES[stone], surface(material=material)), seed=1)
-    off, of_mean = off_by(*passes.radiance_at(nm, 512))
+    off, of_mean = off_by(*passes.radiance_at(nm, 1024))
     assert of_mean < 1e-4
     assert abs(off) <= THREE_SIGMA
 
