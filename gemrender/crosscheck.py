@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-from gemrender.scoring import Band, Score, score, score_pixels
+from gemrender.scoring import UNSEEN_RAYS, Band, Score, score, score_pixels, scores_of_sets
 
 if TYPE_CHECKING:
     from gemrender.observation import Observation
@@ -20,7 +20,6 @@ __all__ = [
     "MOST_INTENSITY_DIFFERENCE",
     "MOST_LOST",
     "MOST_REAR_DIFFERENCE",
-    "UNSEEN_RAYS",
     "CrossCheck",
     "ScoreCheck",
     "compare_scores",
@@ -45,9 +44,6 @@ MOST_BAND_DIFFERENCE = 0.1
 MOST_INTENSITY_DIFFERENCE = 1e-3
 #: Share of rays lost to rounding [%]: one in 100 000.
 MOST_LOST = 1e-3
-#: Light of which so many random rays would be expected may be missed by all of them, where no scatter tells
-#: of it: with a probability of exp(-6.9), 0.1 %.
-UNSEEN_RAYS = 6.9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -316,10 +312,6 @@ def crosscheck_scores(
     BackendError
         An engine cannot run here.
     """
-    import numpy as np
-
-    from gemrender.engines import observe_sets
-    from gemrender.measures.tally import SETS
 
     def half(first: float) -> Callable[[float], None]:
         def go_on(done: float) -> None:
@@ -331,12 +323,6 @@ def crosscheck_scores(
     exact = score(
         stone, engine="exact", birefringence=True, variant=variant, seed=seed, progress=half(0.0), **options
     )
-    of_exact = ("bound", "time_limit", "memory_limit")
-    short = {key: value for key, value in options.items() if key not in of_exact}
-    scores, rays = [], 0
-    for seen in observe_sets(
-        stone, sets=SETS, birefringence=True, variant=variant, seed=seed, progress=half(0.5), **short
-    ):
-        scores.append(score_pixels(seen))
-        rays += int(np.count_nonzero(seen.coverage))
-    return compare_scores(scores, exact, rays=rays)
+    asked: Any = {**options, "variant": variant, "seed": seed, "progress": half(0.5)}
+    sets, rays = scores_of_sets(stone, asked)
+    return compare_scores(sets, exact, rays=rays)

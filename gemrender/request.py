@@ -113,7 +113,8 @@ class TraceOptions(TracerOptions, total=False):
     Keys
     ----
     seed : int
-        Seed of the exact engine's rays near the girdle; the other engines make no use of it.
+        Seed of the exact engine's rays near the girdle, and of Mitsuba's where light is split; the reference
+        makes no use of it.
     progress : callable, optional
         Called with the share done, 0 to 1.
     """

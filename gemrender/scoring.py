@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BAND_EDGES",
+    "UNSEEN_RAYS",
     "Band",
     "FacetSizes",
     "Score",
@@ -39,10 +40,15 @@ __all__ = [
     "score_measurement",
     "score_observation",
     "score_pixels",
+    "scores_of_sets",
 ]
 
 #: Lower edges of the bands of intensity [%], brightest first (`docs/model.md`, section 1).
 BAND_EDGES = (75.0, 60.0, 45.0, 30.0, 15.0, 0.0)
+
+#: Light of which so many random rays would be expected may be missed by all of them, where no scatter tells
+#: of it: with a probability of exp(-6.9), 0.1 %.
+UNSEEN_RAYS = 6.9
 
 #: The keys of the JSON that scripts rely on, in their order; further keys come after them.
 _CONTRACT = (
@@ -311,22 +317,46 @@ def score(
     return score_measurement(measured, stone, view, model, with_measures=chosen is not None)
 
 
+def scores_of_sets(stone: Stone, options: TraceOptions) -> tuple[list[Score], int]:
+    """Score independent sets of Mitsuba's random rays, light split in a birefringent stone.
+
+    Parameters
+    ----------
+    stone : Stone
+        The stone.
+    options : TraceOptions
+        Of the resolution, the square is the number of rays in all; what is the exact engine's is left out.
+
+    Returns
+    -------
+    (sets, rays)
+        Scores of `gemrender.measures.tally.SETS` sets, and how many rays of all of them met the stone.
+    """
+    import numpy as np
+
+    from gemrender.measures.tally import SETS
+    from gemrender.observation import indicatrix_of
+
+    of_exact = ("bound", "time_limit", "memory_limit")
+    asked: Any = {key: value for key, value in options.items() if key not in of_exact}
+    sets, rays = [], 0
+    notes: tuple[str, ...] = ()
+    for seen in observe_sets(stone, sets=SETS, birefringence=True, **asked):
+        if not notes and (crystal := indicatrix_of(stone, seen.model)) is not None:
+            indices = ", ".join(f"{index:.5f}" for index in dict.fromkeys(crystal.indices.tolist()))
+            notes = (f"light is split: indices {indices}",)
+        sets.append(replace(score_pixels(seen), notes=notes))
+        rays += int(np.count_nonzero(seen.coverage))
+    return sets, rays
+
+
 def _split_by_rays(stone: Stone, options: TraceOptions) -> Score:
     """Score a birefringent stone by Mitsuba, which draws the modes of rays."""
     import numpy as np
 
     from gemrender.measures.tally import SETS, bounds_of_sets
-    from gemrender.observation import indicatrix_of
 
-    of_exact = ("bound", "time_limit", "memory_limit")
-    asked: Any = {key: value for key, value in options.items() if key not in of_exact}
-    sets: list[Score] = []
-    notes: tuple[str, ...] = ()
-    for seen in observe_sets(stone, sets=SETS, birefringence=True, **asked):
-        sets.append(score_pixels(seen))
-        if not notes and (crystal := indicatrix_of(stone, seen.model)) is not None:
-            indices = ", ".join(f"{index:.5f}" for index in dict.fromkeys(crystal.indices.tolist()))
-            notes = (f"light is split: indices {indices}",)
+    sets, rays = scores_of_sets(stone, options)
     found = np.array([[s.average, s.rear, s.trapped, s.lost, *(b.share for b in s.bands)] for s in sets])
     average, rear, trapped, lost, *shares = found.mean(axis=0).tolist()
     bands = zip(sets[0].bands, shares, strict=True)
@@ -338,8 +368,7 @@ def _split_by_rays(stone: Stone, options: TraceOptions) -> Score:
         lost=lost,
         bands=tuple(replace(band, share=share) for band, share in bands),
         resolution=round(sets[0].resolution * SETS**0.5) if sets[0].resolution else None,
-        bound=float(bounds_of_sets(found).max()),
-        notes=notes,
+        bound=float(bounds_of_sets(found).max()) + 100.0 * UNSEEN_RAYS / rays,
         seconds=sum(s.seconds for s in sets),
     )
 

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from observations import STONE, observation
 
-from gemrender.crosscheck import LONG_PATH, UNSEEN_RAYS, compare_scores, crosscheck
+from gemrender.crosscheck import LONG_PATH, compare_scores, crosscheck
 from gemrender.cuts import load_stone
 from gemrender.measures.tally import SETS, STUDENT_T
 from gemrender.observation import Model, RayStatus, View
-from gemrender.scoring import score_pixels
+from gemrender.scoring import UNSEEN_RAYS, score_pixels
 
 #: Pixels a side, all of them covered: one pixel is 0.01 %.
 N = 100
