@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gemrender.stone.polyhedron import Polyhedron
 from gemrender.stone.solid import ROUND_PIECES, MeshSolid
 from gemrender.stone.stone import Stone
 
@@ -81,19 +82,26 @@ def tessellate(stone: Stone, pieces: int = ROUND_PIECES) -> StoneMesh:
         flat = np.unique(np.column_stack([solid.facet, solid.planes]), axis=0, return_inverse=True)[1]
         return _mesh(solid.vertices, solid.triangles, solid.facet, flat.reshape(-1), solid.planes)
     body = solid.polyhedron if pieces == ROUND_PIECES else solid.cut(pieces)
-    faces, plane = [], []
-    for number in range(len(body.planes)):
-        polygon = body.polygon(number)
-        triangles = polygon[_halving_of(len(polygon))]
-        faces.append(triangles)
-        plane.append(np.full(len(triangles), number))
-    patch = np.concatenate(plane)
+    faces, patch = _triangles(body)
     planes, n = solid.planes, len(solid.planes)
     facet = np.where(patch < n, solid.facet[np.minimum(patch, n - 1)], solid.n_facets - 1)
     if solid.is_round:
         planes = np.concatenate([planes, [[0.0, 0.0, 0.0, 1.0]]])
         patch = np.minimum(patch, n)
-    return _mesh(body.vertices, np.concatenate(faces), facet, patch, planes[patch])
+    return _mesh(body.vertices, faces, facet, patch, planes[patch])
+
+
+def _triangles(body: Polyhedron) -> tuple[np.ndarray, np.ndarray]:
+    """Return the triangles of all polygons, (f, 3), and the plane that each lies in, (f,)."""
+    corners = np.diff(body.starts)
+    number = np.maximum(corners - 2, 0)
+    before = np.cumsum(number) - number
+    faces = np.empty((number.sum(), 3), dtype=np.int64)
+    for k in np.unique(corners[corners > 2]).tolist():
+        of_k = np.flatnonzero(corners == k)
+        polygons = body.corners[body.starts[of_k][:, None] + np.arange(k)]
+        faces[before[of_k][:, None] + np.arange(k - 2)] = polygons[:, _halving_of(k)]
+    return faces, np.repeat(np.arange(len(corners)), number)
 
 
 def _mesh(

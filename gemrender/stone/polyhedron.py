@@ -182,51 +182,57 @@ def _one_each(points: np.ndarray, neighbours: np.ndarray, near: float) -> np.nda
 
 def _oriented(simplices: np.ndarray, neighbours: np.ndarray) -> np.ndarray:
     """Return the hull's triangles (n, 3) wound alike, by their connections, not by rounding."""
-    triangles, beside = simplices.tolist(), neighbours.tolist()
-    known = [False] * len(triangles)
-    known[0], waiting = True, [0]
-    while waiting:
-        here = waiting.pop()
-        a, b, c = triangles[here]
-        for other, (start, end) in zip(beside[here], ((b, c), (c, a), (a, b)), strict=True):
-            if known[other]:
-                continue
-            known[other] = True
-            waiting.append(other)
-            ring = triangles[other]
-            at = ring.index(start)
-            if ring[(at + 1) % 3] == end:  # runs along the shared edge in the same sense
-                ring[1], ring[2] = ring[2], ring[1]
-                beside[other][1], beside[other][2] = beside[other][2], beside[other][1]
-    return np.array(triangles)
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import breadth_first_order
+
+    n = len(simplices)
+    links = csr_array((np.ones(3 * n), neighbours.reshape(-1), np.arange(0, 3 * n + 1, 3)), shape=(n, n))
+    order, parents = breadth_first_order(links, 0)
+    here, parent, row = order[1:], parents[order[1:]], np.arange(len(order) - 1)
+    ring, other = simplices[here], simplices[parent]
+    # The edge that both share begins behind the corner across from which the parent is.
+    k = (neighbours[here] == parent[:, None]).argmax(axis=1)
+    start, end = ring[row, (k + 1) % 3], ring[row, (k + 2) % 3]
+    at = (other == start[:, None]).argmax(axis=1)
+    in_same_sense = other[row, (at + 1) % 3] == end
+    turned = [False] * n
+    for one, before, same in zip(here.tolist(), parent.tolist(), in_same_sense.tolist(), strict=True):
+        turned[one] = turned[before] ^ same
+    return np.where(np.array(turned)[:, None], simplices[:, [0, 2, 1]], simplices)
 
 
 def _polygons(
     planes: np.ndarray, vertices: np.ndarray, label: np.ndarray, triangles: np.ndarray
 ) -> Polyhedron:
     """Walk round each plane's point on the dual hull: the triangles there are its corners, in order."""
-    ahead: list[dict[int, tuple[int, int]]] = [{} for _ in planes]
-    for number, (a, b, c) in zip(label.tolist(), triangles.tolist(), strict=True):
-        ahead[a][b], ahead[b][c], ahead[c][a] = (c, number), (a, number), (b, number)
-    corners: list[int] = []
-    starts = [0]
-    for ring in ahead:
-        polygon: list[int] = []
-        start = at = next(iter(ring), -1)
-        while ring:
-            at, number = ring.pop(at)
-            if not polygon or polygon[-1] != number:
-                polygon.append(number)
-            if at == start:
+    # Each corner of a triangle is a step round that plane's point, from one neighbour to the next.
+    plane = triangles.reshape(-1)
+    start, end = np.roll(triangles, -1, axis=1).reshape(-1), np.roll(triangles, -2, axis=1).reshape(-1)
+    n = len(planes)
+    by_start = np.argsort(plane * n + start)
+    following = by_start[np.searchsorted((plane * n + start)[by_start], plane * n + end)].tolist()
+    walked: list[int] = []
+    for step in np.unique(plane, return_index=True)[1].tolist():
+        at = step
+        while True:
+            walked.append(at)
+            at = following[at]
+            if at == step:
                 break
-        if len(polygon) > 1 and polygon[0] == polygon[-1]:
-            polygon.pop()
-        corners += polygon if len(polygon) > 2 else []
-        starts.append(len(corners))
+    owner, number = plane[walked], label[np.array(walked) // 3]
+    # Corners that are one are neighbours; the last of a polygon is the first one's too.
+    first = np.searchsorted(owner, owner)
+    is_new = (np.arange(len(owner)) == first) | (number != np.roll(number, 1))
+    owner, number = owner[is_new], number[is_new]
+    first = np.searchsorted(owner, owner)
+    is_last = np.arange(len(owner)) == np.searchsorted(owner, owner, side="right") - 1
+    is_new = ~is_last | (number != number[first]) | (np.arange(len(owner)) == first)
+    owner, number = owner[is_new], number[is_new]
+    is_polygon = (np.bincount(owner, minlength=n) > 2)[owner]
+    owner, corners = owner[is_polygon], number[is_polygon]
+    starts = np.concatenate([[0], np.cumsum(np.bincount(owner, minlength=n))])
     used, numbers = np.unique(corners, return_inverse=True)
-    body = Polyhedron(
-        planes=planes, vertices=vertices[used], corners=numbers.reshape(-1), starts=np.array(starts)
-    )
+    body = Polyhedron(planes=planes, vertices=vertices[used], corners=numbers.reshape(-1), starts=starts)
     if body.areas.sum() < 0:  # wound clockwise
         plane = np.repeat(np.arange(len(planes)), np.diff(body.starts))
         order = np.lexsort([-np.arange(len(numbers)), plane])
