@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["Seen", "kinds_of"]
+__all__ = ["Seen", "is_foreground", "kind_of", "kinds_of"]
 
 
 class Seen(IntEnum):
@@ -35,6 +35,20 @@ def kinds_of(scene: Any) -> Any:
     for number, shape in zip(numbers, scene.shapes(), strict=True):
         table[number] = _kind(shape)
     return mi.UInt32(table)
+
+
+def kind_of(kinds: Any, shape: Any, active: Any = True) -> Any:
+    """Return what shapes are by the table of `kinds_of`, as `Seen`; 0 where they are none."""
+    import drjit as dr
+    import mitsuba as mi
+
+    return dr.gather(mi.UInt32, kinds, dr.reinterpret_array(mi.UInt32, shape), active)
+
+
+def is_foreground(kinds: Any, shape: Any, active: Any = True) -> Any:
+    """Return whether shapes are stones or stand beside them, by the table of `kinds_of`."""
+    kind = kind_of(kinds, shape, active)
+    return (kind == int(Seen.STONE)) | (kind == int(Seen.BESIDE))
 
 
 def _kind(shape: Any) -> Seen:

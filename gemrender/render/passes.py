@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from gemrender.render.first_seen import Seen, kinds_of
+from gemrender.render.first_seen import Seen, is_foreground, kind_of, kinds_of
 from gemrender.render.lanes import lanes_at_once
 from gemrender.render.noise import relative_error
 from gemrender.render.traced import TracedFilm
-from gemrender.render.wavelengths import FIRST_NM, LAST_NM, drawing_table
+from gemrender.render.wavelengths import FIRST_NM, LAST_NM, binned, drawing_table
 from gemrender.scene.sobol import PixelSamples
 
 __all__ = ["FIRST_NM", "LAST_NM", "Passes", "check_range"]
@@ -88,6 +89,9 @@ class Passes:
         #: beside them alone; bins.
         self._of_bins = slice(20 if foreground else 10, None)
         self._n_channels = self._of_bins.start + n_bins
+        # Bound to what they need and not to this object: a scene in a cycle stays until garbage is collected,
+        # and its shapes' numbers in the kernels of the next one, which then are compiled anew.
+        self._binned = partial(binned, np.empty(0) if self.bins_nm is None else self.bins_nm)
         self._kinds, self._has_foreground = kinds_of(scene), foreground
         self._halves = np.zeros((2, self.height * self.width, self._n_channels), dtype=np.float32)
         self._counts = [0, 0]
@@ -106,8 +110,8 @@ class Passes:
                 height=self.height,
                 filter_radius=filter_radius,
                 draw=self._draw,
-                binned=self._binned if n_bins else lambda *_: [],
-                kept=self._is_foreground if foreground else None,
+                binned=self._binned,
+                kept=partial(is_foreground, self._kinds) if foreground else None,
             )
 
     # ---- Rendering ----
@@ -324,27 +328,15 @@ class Passes:
         channels = [*xyz, *aovs, dr.select(valid, mi.Float(1), 0)]
         if self._has_foreground:
             found = self.scene.ray_intersect_preliminary(ray)
-            kept = self._is_foreground(found.shape, found.is_valid())
+            kept = is_foreground(self._kinds, found.shape, found.is_valid())
             channels += [dr.select(kept, value, 0) for value in (*xyz, *aovs, mi.Float(1))]
             radiance = dr.select(kept, radiance, 0)
-        if self.bins_nm is not None:
-            channels += self._binned(radiance, weight, nm)
+        channels += self._binned(radiance, weight, nm)
         dr.eval(channels, sound)  # once for all: each sum would trace again
         self._unsound_of_pass += n * spp - int(dr.count(sound)[0])
         sums = [dr.block_sum(channel, spp) for channel in channels]
         dr.eval(sums)
         return np.stack([np.asarray(s) for s in sums], axis=1)
-
-    def _kind(self, shape: Any, active: Any) -> Any:
-        """Return what shapes are, as `Seen`; 0 where they are none."""
-        import drjit as dr
-        import mitsuba as mi
-
-        return dr.gather(mi.UInt32, self._kinds, dr.reinterpret_array(mi.UInt32, shape), active)
-
-    def _is_foreground(self, shape: Any, active: Any = True) -> Any:
-        kind = self._kind(shape, active)
-        return (kind == int(Seen.STONE)) | (kind == int(Seen.BESIDE))
 
     def _tile_shows(self, first: int, n: int) -> np.ndarray:
         import drjit as dr
@@ -353,20 +345,7 @@ class Passes:
         pixel = dr.arange(mi.UInt32, n) + dr.opaque(mi.UInt32, first)
         rays, _ = self._rays(pixel, [mi.Float(0.5)] * 5, mi.Spectrum(550.0))
         found = self.scene.ray_intersect_preliminary(rays)
-        return np.asarray(self._kind(found.shape, found.is_valid())).astype(np.uint8)
-
-    def _binned(self, radiance: Any, weight: Any, nm: Any) -> list[Any]:
-        import drjit as dr
-        import mitsuba as mi
-
-        assert self.bins_nm is not None
-        out = []
-        for low, high in zip(self.bins_nm[:-1], self.bins_nm[1:], strict=True):
-            total = mi.Float(0)
-            for L, w, at in zip(radiance, weight, nm, strict=True):
-                total += dr.select((at >= float(low)) & (at < float(high)), L * w, 0)
-            out.append(total / float(high - low))
-        return out
+        return np.asarray(kind_of(self._kinds, found.shape, found.is_valid())).astype(np.uint8)
 
     def _monochrome_tile(self, first: int, n: int, spp: int, nm: float, seed: int) -> np.ndarray:
         import drjit as dr

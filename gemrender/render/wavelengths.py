@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from gemrender.colorimetry import VISIBLE_NM
 
-__all__ = ["FIRST_NM", "LAST_NM", "drawing_table"]
+__all__ = ["FIRST_NM", "LAST_NM", "binned", "drawing_table"]
 
 #: Wavelengths that pictures are made of [nm].
 FIRST_NM, LAST_NM = VISIBLE_NM
@@ -57,3 +58,17 @@ def drawing_table() -> Any:
         return mi.Spectrum(wavelengths), weights, responses
 
     return draw
+
+
+def binned(bins_nm: np.ndarray, radiance: Any, weight: Any, nm: Any) -> list[Any]:
+    """Return the radiance in each bin between edges [nm], a mean over its width, of what was drawn."""
+    import drjit as dr
+    import mitsuba as mi
+
+    out = []
+    for low, high in pairwise(bins_nm):
+        total = mi.Float(0)
+        for L, w, at in zip(radiance, weight, nm, strict=True):
+            total += dr.select((at >= float(low)) & (at < float(high)), L * w, 0)
+        out.append(total / float(high - low))
+    return out

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import weakref
 
 import numpy as np
 import pytest
@@ -112,6 +113,19 @@ def test_later_passes_and_pictures_of_other_sizes_need_no_new_kernel():
     first, second = np.reshape(found[0], (2, -1)).tolist()
     assert first == second
     assert found[1] == found[0]
+
+
+def test_passes_go_with_their_last_user(variant_llvm_ad_spectral):
+    """They hold the scene, whose shapes' numbers would be in the kernels of the next one's."""
+    passes = Passes(scene_of("white", 16), foreground=True, bins_nm=[400.0, 700.0])
+    passes.add(8)
+    gone = weakref.ref(passes)
+    gc.disable()
+    try:
+        del passes
+        assert gone() is None
+    finally:
+        gc.enable()
 
 
 def test_stone_pixels_are_those_of_the_stone(scene):
