@@ -49,12 +49,25 @@ def pytest_collection() -> Iterator[None]:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with pictures.
+    """Begin with pictures, and let each module change Mitsuba's variant as seldom as it can.
 
     Processes of xdist each begin with half of the tests. Where nothing is compiled yet, so only one of them
-    compiles numba's kernels, and the other one reads them later.
+    compiles numba's kernels, and the other one reads them later. A change of variant, in which Mitsuba loads
+    its integrators in Python anew, takes longer than most tests.
     """
-    items.sort(key=lambda item: not item.path.name.startswith("test_render_"))
+    modules = {path: number for number, path in enumerate(dict.fromkeys(item.path for item in items))}
+
+    def order(item: pytest.Item) -> tuple[bool, int, str]:
+        return (not item.path.name.startswith("test_render_"), modules[item.path], _variant_of(item))
+
+    items.sort(key=order)
+
+
+def _variant_of(item: pytest.Item) -> str:
+    """Return the variant that a test's fixture switches on; "" for none."""
+    named = next((name for name in item.fixturenames if name.startswith("variant_")), "")
+    call = getattr(item, "callspec", None)
+    return str(getattr(call, "params", {}).get("variants_all", named.removeprefix("variant_")))
 
 
 @pytest.hookimpl(wrapper=True)
