@@ -19,6 +19,10 @@ _FLAT = 3e-6
 _ROUNDING = 4e-7
 #: A triangle that is not as high has no normal to speak of [share of the distance from the origin].
 _NARROW = 1e-4
+#: How far beyond a triangle's border an edge still meets it: rounding [share of the triangle].
+_BORDER = 1e-9
+#: Edges side by side whose triangles are looked for together.
+_TOGETHER = 64
 #: Vertices times faces up to which convexity is looked for.
 _MOST_CONVEX = 1 << 26
 
@@ -282,25 +286,41 @@ def _cuts(edges: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndar
 
     By Moeller and Trumbore, "Fast, minimum storage ray/triangle intersection" (1997), section 2.
     """
-    found = [(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros(0))]
-    a = triangles[:, 0]
-    u, v = triangles[:, 1] - a, triangles[:, 2] - a
-    for rows in _chunks(len(edges), len(triangles)):
-        start, along = edges[rows, 0], edges[rows, 1] - edges[rows, 0]
-        p = np.cross(along[:, None], v)
+    edge, triangle = _pairs_of_near(edges, triangles)
+    share = np.empty(len(edge))
+    met = np.empty(len(edge), dtype=bool)
+    for rows in _chunks(len(edge), 1):
+        start, end = edges[edge[rows]].transpose(1, 0, 2)
+        a, b, c = triangles[triangle[rows]].transpose(1, 0, 2)
+        along, u, v, to = end - start, b - a, c - a, start - a
+        p, q = np.cross(along, v), np.cross(to, u)
         with np.errstate(divide="ignore", invalid="ignore"):
-            scale = 1 / np.einsum("ni,kni->kn", u, p)
-            to = start[:, None] - a
-            first = np.einsum("kni,kni->kn", to, p) * scale
-            q = np.cross(to, u)
-            second = np.einsum("ki,kni->kn", along, q) * scale
-            t = np.einsum("ni,kni->kn", v, q) * scale
-            eps = 1e-9
-            met = (first >= -eps) & (second >= -eps) & (first + second <= 1 + eps) & (t >= 0) & (t <= 1)
-        k, n = np.nonzero(met)  # False of what is not a number: in a triangle's plane there is no cut
-        found.append((k + rows.start, n, t[k, n]))
-    edge, triangle, t = (np.concatenate(x) for x in zip(*found, strict=True))
-    return edge, triangle, t
+            scale = 1 / np.einsum("ki,ki->k", u, p)
+            first, second, t = (np.einsum("ki,ki->k", x, y) * scale for x, y in ((to, p), (along, q), (v, q)))
+            met[rows] = (first >= -_BORDER) & (second >= -_BORDER) & (first + second <= 1 + _BORDER)
+            met[rows] &= (t >= 0) & (t <= 1)  # False of what is not a number: in its plane there is no cut
+        share[rows] = t
+    return edge[met], triangle[met], share[met]
+
+
+def _pairs_of_near(edges: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the edges and triangles whose boxes meet, in order: all that can have a cut, and few more."""
+    of_edge, of_triangle = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
+    if len(edges) and len(triangles):
+        slack = 10 * _BORDER * max(float(np.abs(edges).max()), float(np.abs(triangles).max()))
+        low, high = triangles.min(axis=1) - slack, triangles.max(axis=1) + slack
+        middles = edges.mean(axis=1)
+        order = np.argsort(middles[:, int(np.ptp(middles, axis=0).argmax())], kind="stable")
+        for first in range(0, len(edges), _TOGETHER):
+            rows = order[first : first + _TOGETHER]
+            begin, end = edges[rows].min(axis=1), edges[rows].max(axis=1)
+            near = np.flatnonzero(((low <= end.max(axis=0)) & (high >= begin.min(axis=0))).all(axis=1))
+            k, n = np.nonzero(((low[near] <= end[:, None]) & (high[near] >= begin[:, None])).all(axis=2))
+            of_edge.append(rows[k])
+            of_triangle.append(near[n])
+    edge, triangle = np.concatenate(of_edge), np.concatenate(of_triangle)
+    by_edge = np.lexsort((triangle, edge))
+    return edge[by_edge], triangle[by_edge]
 
 
 def _between_cuts(edges: np.ndarray, triangles: np.ndarray) -> np.ndarray:
