@@ -33,10 +33,14 @@ LARGE = 2000
 BINNED = 0.01
 
 
-def scene_of(setup="window", size=32, width=None):
+#: Width and height of pictures [pixels].
+SIZE = 32, 32
+
+
+def scene_of(setup="window", width=1, height=1):
+    """A set-up's scene, of the film that `render` gives square pictures of all sizes: they share kernels."""
     gems = make_gems([load_stone("inoue-3")])
-    scene = photoreal_scene(gems, load_setup(setup), width=width or size, height=size)
-    return load_scene(scene.to_dict())
+    return load_scene(photoreal_scene(gems, load_setup(setup), width=width, height=height).to_dict())
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +51,7 @@ def scene():
 
 @pytest.mark.parametrize("spp", chosen([1, 2, 3, 7, 13], [13]))
 def test_all_samples_are_counted(scene, spp):
-    passes = Passes(scene)
+    passes = Passes(scene, size=SIZE)
     passes.add(spp)
     assert passes.samples == spp
 
@@ -63,10 +67,10 @@ def test_the_noise_is_the_error_on_the_stone(setup, number):
     takes more pictures to know it as well.
     """
     ensure_variant("llvm_ad_spectral")
-    scene = scene_of(setup, 16)
+    scene = scene_of(setup)
     pictures, stated = [], []
     for seed in range(number):
-        passes = Passes(scene, seed=seed, filter_radius=FILTER_RADIUS)
+        passes = Passes(scene, seed=seed, filter_radius=FILTER_RADIUS, size=(16, 16))
         for _ in range(2):
             passes.add(16)
         pictures.append(passes.xyz[passes.stone_pixels, 1].astype(float))
@@ -86,7 +90,7 @@ def test_the_noise_is_the_error_on_the_stone(setup, number):
 
 def test_camera_samples_of_neighbours_and_halves_have_nothing_in_common(scene):
     """Differences of independent numbers, modulo 1, are even: chi-square over 64 bins."""
-    passes, n = Passes(scene), 1 << 16
+    passes, n = Passes(scene, size=SIZE), 1 << 16
     for seed in (0, 2, 1000):
         first, second = ([np.asarray(x) for x in passes._samples(0, n, 1, 0, seed + k)[2]] for k in (0, 1))
         for a, b in zip(first, second, strict=True):
@@ -117,7 +121,7 @@ def test_later_passes_and_pictures_of_other_sizes_need_no_new_kernel():
 
 def test_passes_go_with_their_last_user(variant_llvm_ad_spectral):
     """They hold the scene, whose shapes' numbers would be in the kernels of the next one's."""
-    passes = Passes(scene_of("white", 16), foreground=True, bins_nm=[400.0, 700.0])
+    passes = Passes(scene_of("white"), size=SIZE, foreground=True, bins_nm=[400.0, 700.0])
     passes.add(8)
     gone = weakref.ref(passes)
     gc.disable()
@@ -129,7 +133,7 @@ def test_passes_go_with_their_last_user(variant_llvm_ad_spectral):
 
 
 def test_stone_pixels_are_those_of_the_stone(scene):
-    passes = Passes(scene)
+    passes = Passes(scene, size=SIZE)
     for _ in range(4):  # by the kernel of four samples, as elsewhere
         passes.add(4)
     shown = passes.stone_pixels
@@ -144,7 +148,7 @@ def test_the_noise_does_not_count_what_is_beside_the_stone():
     ensure_variant("llvm_ad_spectral")
     found = []
     for width in (24, 96):
-        passes = Passes(scene_of("hemisphere", 24, width))
+        passes = Passes(scene_of("hemisphere", width // 24), size=(width, 24))
         for _ in range(4):
             passes.add(16)
         found.append((passes.noise(), passes.stone_pixels.sum()))
@@ -154,13 +158,13 @@ def test_the_noise_does_not_count_what_is_beside_the_stone():
 
 
 def test_radiance_at_a_wavelength_takes_any_number_of_samples(scene):
-    radiance, error = Passes(scene).radiance_at(550.0, 7)
+    radiance, error = Passes(scene, size=SIZE).radiance_at(550.0, 7)
     assert radiance.shape == error.shape == (32, 32)
     assert np.isfinite(radiance).all()
 
 
 def test_before_two_passes_nothing_is_said_of_noise(scene):
-    passes = Passes(scene)
+    passes = Passes(scene, size=SIZE)
     passes.add(4)
     assert passes.noise() == float("inf")
 
@@ -168,7 +172,7 @@ def test_before_two_passes_nothing_is_said_of_noise(scene):
 def test_the_same_seed_gives_the_same_picture(scene):
     pictures = []
     for seed in (5, 5, 6):
-        passes = Passes(scene, seed=seed)
+        passes = Passes(scene, seed=seed, size=SIZE)
         passes.add(4)
         pictures.append(passes.xyz)
     np.testing.assert_array_equal(pictures[0], pictures[1])
@@ -177,7 +181,7 @@ def test_the_same_seed_gives_the_same_picture(scene):
 
 def test_the_spectrum_has_the_pictures_colour(scene):
     edges = np.linspace(380, 760, 39)
-    passes = Passes(scene, bins_nm=edges)
+    passes = Passes(scene, bins_nm=edges, size=SIZE)
     passes.add(64)
     middles = 0.5 * (edges[1:] + edges[:-1])
     spectrum = passes.spectrum.reshape(-1, 38).mean(axis=0, dtype=np.float64)
@@ -186,7 +190,7 @@ def test_the_spectrum_has_the_pictures_colour(scene):
 
 
 def test_an_interruption_leaves_the_sums(scene, monkeypatch):
-    passes = Passes(scene)
+    passes = Passes(scene, size=SIZE)
     passes.add(4)
     before = passes.xyz
 
@@ -240,7 +244,7 @@ def test_a_stone_in_a_stone_is_refused():
 
 def test_the_numbers_of_a_camera_sample_have_nothing_in_common(scene):
     """Sums and differences of two of them, modulo 1, are even over the samples of a pixel."""
-    u = [np.asarray(x) for x in Passes(scene)._samples(0, 1, 4096, 0, 3)[2]]
+    u = [np.asarray(x) for x in Passes(scene, size=SIZE)._samples(0, 1, 4096, 0, 3)[2]]
     for k, a in enumerate(u):
         for b in u[:k]:
             for together in (a + b, a - b):

@@ -45,11 +45,16 @@ reflectance = 0.88
 """
 
 
+#: With all kinds of ground and of light that bundled set-ups have.
+SOME = ["studio", "hemisphere", "hand", "loupe", "sun", "aset"]
+
+
 @pytest.mark.skipif(not MITSUBA.exists(), reason="needs Mitsuba's program")
-def test_stock_scenes_are_rendered_by_mitsubas_own_program(gemrender, folder):
-    """All bundled set-ups, by one process of it."""
+@pytest.mark.parametrize("setups", chosen([SOME, bundled_setups()], [SOME]), ids=["some", "all"])
+def test_stock_scenes_are_rendered_by_mitsubas_own_program(setups, gemrender, folder):
+    """By one process of it."""
     names = []
-    for setup in bundled_setups():
+    for setup in setups:
         options = ["--setup", setup, "--stock", "--size", "24x16", "--spp", "4"]
         status, out, err = gemrender("scene", "inoue-3", "inoue-1", "--out", "s", *options)
         path = Path(f"s/inoue-3-inoue-1-{setup}.xml")

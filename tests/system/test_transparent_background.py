@@ -45,9 +45,8 @@ def test_the_light_is_the_same(setup):
 
     ensure_variant("llvm_ad_spectral")
     gems = make_gems([load_stone("inoue-3")])
-    around = photoreal_scene(gems, load_setup(setup), width=SIZE, height=SIZE)
-    scene = mi.load_dict(around.to_dict())
-    plain, cut = Passes(scene), Passes(scene, foreground=True)
+    scene = mi.load_dict(photoreal_scene(gems, load_setup(setup), width=1, height=1).to_dict())
+    plain, cut = (Passes(scene, size=(SIZE, SIZE), foreground=of) for of in (False, True))
     for passes in (plain, cut):
         for _ in range(2):
             passes.add(SPP // 2)
