@@ -416,7 +416,7 @@ def variant(request):
 def test_without_dispersion_gem_path_renders_what_path_does(variant):
     ours = room(surface(int_ior=INDEX), {"type": "gem_path"})
     stock = room(STOCK, PATH)
-    assert_same_picture(pixels(ours, 1024, seed=8), pixels(stock, 1024, seed=18))
+    assert_same_picture(pixels(ours, 512, seed=8), pixels(stock, 512, seed=18))
 
 
 def test_dispersion_switched_off_is_one_index(variant_llvm_ad_rgb):
@@ -545,7 +545,7 @@ def test_stones_of_many_planes_lose_no_light(variant_llvm_ad_spectral, n, by_pla
     scene = furnace(ellipsoid(n), surface(material="quartz"))
     stones = sys.modules["gemrender.plugins.stones"].Stones(scene, mi.load_dict({"type": "independent"}))
     assert stones.by_planes == by_planes
-    off, _ = off_by(*Passes(scene, seed=15).radiance_at(550.0, 64))
+    off, _ = off_by(*Passes(scene, seed=15).radiance_at(550.0, 16))
     assert abs(off) <= THREE_SIGMA
 
 
