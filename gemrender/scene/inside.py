@@ -160,44 +160,60 @@ def reaches_into(triangles: np.ndarray, solid: Inside, depth: float) -> bool:
     depth : float
         At least 0 [scene unit].
     """
-    triangles = _near(triangles, solid.triangles, depth)
+    hull = _hull(solid.triangles)
+    triangles = _near(triangles, hull, depth)
     if not len(triangles):
         return False
-    if _any_deeper(np.concatenate([triangles.reshape(-1, 3), triangles.mean(axis=1)]), solid, depth):
+    points = np.concatenate([triangles.reshape(-1, 3), triangles.mean(axis=1)])
+    if _any_deeper(points, solid, hull, depth):
         return True
-    own = _near(solid.triangles, triangles, 0)
-    edges = _near(_edges(triangles), solid.triangles, depth)
-    return _any_deeper(_between_cuts(edges, own), solid, depth) or _any_deeper(
-        _middles_of_cuts(_near(_edges(own), triangles, 0), triangles), solid, depth
+    own_hull = _hull(triangles)
+    own = _near(solid.triangles, own_hull, 0)
+    edges = _near(_edges(triangles), hull, depth)
+    return _any_deeper(_between_cuts(edges, own), solid, hull, depth) or _any_deeper(
+        _middles_of_cuts(_near(_edges(own), own_hull, 0), triangles), solid, hull, depth
     )
 
 
 def crosses(a: Inside, b: Inside) -> bool:
     """Return whether edges of one surface go through the other."""
-    return any(
-        len(
-            _cuts(_near(_edges(one.triangles), other.triangles, 0), _near(other.triangles, one.triangles, 0))[
-                0
-            ]
-        )
-        for one, other in ((a, b), (b, a))
-    )
+    hulls = {id(one): _hull(one.triangles) for one in (a, b)}
+    for one, other in ((a, b), (b, a)):
+        edges = _near(_edges(one.triangles), hulls[id(other)], 0)
+        if len(_cuts(edges, _near(other.triangles, hulls[id(one)], 0))[0]):
+            return True
+    return False
 
 
-def _near(parts: np.ndarray, other: np.ndarray, depth: float) -> np.ndarray:
-    """Return those of edges or triangles (n, k, 3) that reach deeper than `depth` into the hull of others."""
-    corners = other.reshape(-1, 3)
+def _hull(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return how far the hull of triangles (n, 3, 3) reaches, down and up, in each of `_DIRECTIONS`, (d,)."""
+    corners = triangles.reshape(-1, 3)
+    low = np.full(_DIRECTIONS.shape[1], np.inf)
+    high = -low
+    for rows in _chunks(len(corners), _DIRECTIONS.shape[1]):
+        along = corners[rows] @ _DIRECTIONS
+        low, high = np.minimum(low, along.min(axis=0)), np.maximum(high, along.max(axis=0))
     slack = 1e-9 * float(np.abs(corners).max())
-    for direction in _DIRECTIONS.T:
-        here, along = parts @ direction, corners @ direction
-        low, high = along.min() + depth - slack, along.max() - depth + slack
-        parts = parts[(here.max(axis=1) >= low) & (here.min(axis=1) <= high)]
+    return low - slack, high + slack
+
+
+def _near(parts: np.ndarray, hull: tuple[np.ndarray, np.ndarray], depth: float) -> np.ndarray:
+    """Return those of points, edges or triangles (n, k, 3) that reach deeper than `depth` into a hull."""
+    low, high = hull[0] + depth, hull[1] - depth
+    # Most are beyond in one of the axes
+    for some in (slice(0, 1), slice(1, 2), slice(2, 3), slice(3, None)):
+        kept = []
+        for rows in _chunks(len(parts), parts.shape[1] * len(low[some])):
+            along = parts[rows] @ _DIRECTIONS[:, some]
+            reaches = (along.max(axis=1) >= low[some]) & (along.min(axis=1) <= high[some])
+            kept.append(parts[rows][reaches.all(axis=1)])
+        parts = np.concatenate(kept) if kept else parts
     return parts
 
 
-def _any_deeper(points: np.ndarray, solid: Inside, depth: float) -> bool:
-    """Return whether any of points (k, 3) is deeper than `depth` in a solid."""
-    points = _near(points[:, None], solid.triangles, depth)[:, 0]
+def _any_deeper(points: np.ndarray, solid: Inside, hull: tuple[np.ndarray, np.ndarray], depth: float) -> bool:
+    """Return whether any of points (k, 3) is deeper than `depth` in a solid, whose hull is known."""
+    points = _near(points[:, None], hull, depth)[:, 0]
     points = distinct_rows(points)
     first, n = 0, 16  # what overlaps is mostly seen at once
     while first < len(points):
