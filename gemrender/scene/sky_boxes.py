@@ -121,11 +121,20 @@ def draw_studio(
         axis=2,
     ).astype(np.float32)
     image = np.broadcast_to(radiance * white_xyz(spectrum), directions.shape).astype(np.float32)
+    directions, image = directions.reshape(-1, 3), image.reshape(-1, 3)
     for box in boxes:
-        share, level = _seen(box, directions)
-        own = (box.radiance * level)[..., None] * white_xyz(box.spectrum)
-        image += share[..., None] * (own - image)
-    return image.astype(np.float32)
+        there = _around(box, directions)
+        share, level = _seen(box, directions[there])
+        own = (box.radiance * level)[:, None] * white_xyz(box.spectrum)
+        image[there] += share[:, None] * (own - image[there])
+    return image.reshape(rows, columns, 3)
+
+
+def _around(box: Box, directions: np.ndarray) -> np.ndarray:
+    """Return which of directions (n, 3) a box can cover: a cone about its middle, up to its corners."""
+    middle = towards(box.elevation, box.azimuth).astype(np.float32)
+    reach = np.tan(np.radians(0.5 * np.array(box.size)))
+    return np.flatnonzero(directions @ middle > 1 / np.sqrt(1 + reach @ reach) - 1e-5)
 
 
 def _seen(box: Box, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
