@@ -183,7 +183,7 @@ def test_trapped_light_is_a_reason():
 
 
 def test_too_few_rays_are_a_reason(monkeypatch):
-    monkeypatch.setattr(sys.modules["gemrender.beam.measure"], "_MOST_RAYS", 64)
+    monkeypatch.setattr(sys.modules["gemrender.beam.measure"], "MOST_RAYS", 64)
     (note,) = measure(STONE, bound=1e-3).notes
     assert note.endswith(" instead of 0.001: no more than 1024 rays are followed")
 

@@ -315,7 +315,7 @@ def test_help_is_no_error(arguments, gemrender):
 
 
 def test_progress_is_shown_on_a_terminal_and_taken_away(gemrender, monkeypatch):
-    monkeypatch.setattr(output, "_PATIENCE", -1.0)
+    monkeypatch.setattr(output, "PATIENCE_S", -1.0)
     monkeypatch.setenv("FORCE_COLOR", "1")  # what rich takes for a terminal
     status, out, err = gemrender("score", "inoue-3", "inoue-1", *FAST, "--json")
     assert status == 0
@@ -325,7 +325,7 @@ def test_progress_is_shown_on_a_terminal_and_taken_away(gemrender, monkeypatch):
 
 
 def test_progress_of_many_stones_is_not_written_into_a_file(gemrender, monkeypatch):
-    monkeypatch.setattr(output, "_PATIENCE", -1.0)
+    monkeypatch.setattr(output, "PATIENCE_S", -1.0)
     assert (
         gemrender("score", *["inoue-3"] * 50, "--engine", "reference", "--resolution", "2", "--json")[2] == ""
     )

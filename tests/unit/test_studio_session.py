@@ -310,6 +310,7 @@ def at_work():
 def test_of_many_states_the_last_one_is_shown():
     sent, before = queue.Queue(), at_work()
     live = Live({}, sent.put)
+    assert at_work() > before
     try:
         for number in range(40):
             cut = told("inoue-3")["cut"]
