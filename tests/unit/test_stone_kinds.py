@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from any_stones import facets_in
 
 import gemrender
 from gemrender.cuts.content import READ_KINDS, kind_of
@@ -22,13 +23,8 @@ from gemrender.stone.solid import convex_solid
 from gemrender.stone.stone import Stone
 
 CASES = Path(__file__).parents[1] / "cases" / "stones"
-#: Facets of emerald.asc: a number each on the lines of its tiers, behind angle and distance, beside names.
-EMERALD_FACETS = sum(
-    word.isdecimal()
-    for line in (CASES / "emerald.asc").read_text().splitlines()
-    if line.startswith("a ")
-    for word in line.split()[3:]
-)
+#: Facets of emerald.asc.
+EMERALD_FACETS = sum(facets_in("emerald"))
 DESIGNS = sorted(path for path in CASES.iterdir() if path.suffix != ".json")
 #: Rounding of numbers of 64 and of 32 bits, a few of them.
 ROUNDING = {"glb": 1e-6}
