@@ -24,6 +24,20 @@ def design(name: str) -> Stone:
 
 
 @cache
+def facets_in(name: str) -> list[int]:
+    """How many facets each tier of an .asc file of the cases has: a number each, on the tier's line.
+
+    Such a line is ``a ANGLE DISTANCE INDEX [INDEX ...] [n NAME] ... [G what is to be met]``.
+    """
+    found = []
+    for line in (FOLDER / f"{name}.asc").read_text(encoding="utf-8").splitlines():
+        if line.startswith("a "):
+            words = line.partition(" G ")[0].split()[3:]
+            named = [before == "n" for before in ("", *words[:-1])]
+            found.append(sum(word != "n" and not is_name for word, is_name in zip(words, named, strict=True)))
+    return found
+
+
 def hollow_stone() -> Stone:
     """Return an emerald whose table is a shallow inverted pyramid."""
     stone = design("emerald")

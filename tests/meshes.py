@@ -30,6 +30,16 @@ def obj(path, mesh):
     return str(path)
 
 
+def distances(points, triangles):
+    """Distance of points (k, 3) from the nearest of triangles (n, 3, 3), by trimesh, (k,)."""
+    from trimesh.triangles import closest_point
+
+    nearest = (closest_point(triangles, np.tile(point, (len(triangles), 1))) for point in points)
+    return np.array(
+        [np.linalg.norm(at - point, axis=1).min() for at, point in zip(nearest, points, strict=True)]
+    )
+
+
 def soup(positions, faces):
     """Each face with corners of its own."""
     return positions[faces].reshape(-1, 3), np.arange(3 * len(faces)).reshape(-1, 3)

@@ -25,6 +25,7 @@ from gemrender.stone import Stone
 
 __all__ = [
     "BOUND_RANGE",
+    "MOST_RAYS",
     "PRINCIPAL_NORMALS",
     "Found",
     "check_bound",
@@ -44,7 +45,8 @@ _LEAST = 1e-5
 #: part is followed where it is all of the view, and so never.
 PRINCIPAL_NORMALS = 1.0
 #: Rays of a set at first, and at the most.
-_FIRST_RAYS, _MOST_RAYS = 64, 1 << 23
+_FIRST_RAYS = 64
+MOST_RAYS = 1 << 23
 
 
 def check_bound(bound: float) -> float:
@@ -200,7 +202,7 @@ def _settle(
         found = Found(tally, resolved + near.found(), near.unseen)
         # No ray more makes less light trapped.
         allowed = max(wanted - found.unsolved, 0.5 * wanted)
-        if found.scatter <= allowed or rays >= _MOST_RAYS or near.stopped:
+        if found.scatter <= allowed or rays >= MOST_RAYS or near.stopped:
             return found
         rays = more_rays(rays, found.scatter, allowed)
 
@@ -302,7 +304,7 @@ def _missed(bound: float, wanted: float, unsolved: float, stopped: Budget | None
     elif unsolved > 0.5 * wanted:
         why = f"{unsolved:.2g} % of the light was still inside after all reflections that are followed"
     else:
-        why = f"no more than {SETS * _MOST_RAYS} rays are followed"
+        why = f"no more than {SETS * MOST_RAYS} rays are followed"
     return (f"bound {bound_text(bound)} instead of {wanted:g}: {why}",)
 
 

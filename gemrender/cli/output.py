@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from gemrender.report.formats import TextTable
 
 __all__ = [
+    "PATIENCE_S",
     "named_as",
     "output_file",
     "patience",
@@ -34,7 +35,7 @@ __all__ = [
 ]
 
 #: Progress is shown of work that takes longer [s].
-_PATIENCE = 1.0
+PATIENCE_S = 1.0
 #: Width of tables in a file [characters]: no line is broken.
 _UNLIMITED = 100_000
 
@@ -72,7 +73,7 @@ def progress_bar(total: int) -> Iterator[Callable[[int, str], Callable[[float], 
             seconds = left.seconds()
             words = "" if seconds is None else f"about {duration_words(seconds)} left"
             bar.update(task, completed=number + share, description=description, left=words)
-            if time.monotonic() - started > _PATIENCE and not bar.live.is_started:
+            if time.monotonic() - started > PATIENCE_S and not bar.live.is_started:
                 bar.start()
 
         return advance
@@ -92,7 +93,7 @@ def patience(message: str) -> Iterator[None]:
     if sys.stderr is None or not sys.stderr.isatty():
         yield
         return
-    timer = threading.Timer(1.5 * _PATIENCE, say, [message])
+    timer = threading.Timer(1.5 * PATIENCE_S, say, [message])
     timer.daemon = True
     timer.start()
     try:

@@ -30,6 +30,7 @@ __all__ = [
     "find_llvm",
     "prepare_llvm",
     "require_loadable",
+    "system_folders",
 ]
 
 #: Lowest major version that gemrender runs with.
@@ -251,7 +252,7 @@ def _wheel_paths() -> Iterator[Path]:
 def _system_paths() -> Iterator[Path]:
     """Yield the libraries in the system's folders, each once, then what the loader knows besides."""
     seen = set()
-    for folder in _system_folders():
+    for folder in system_folders():
         for pattern in ("libLLVM*.so*", "libLLVM*.dylib", "LLVM-C.dll"):
             for path in sorted(folder.glob(pattern)):
                 real = path.resolve()
@@ -262,8 +263,14 @@ def _system_paths() -> Iterator[Path]:
         yield Path(known)
 
 
-def _system_folders(root: Path = Path("/")) -> Iterator[Path]:
-    """Yield the folders to search: where Dr.Jit looks, and where the distributions put LLVM."""
+def system_folders(root: Path = Path("/")) -> Iterator[Path]:
+    """Yield the folders to search: where Dr.Jit looks, and where the distributions put LLVM.
+
+    Parameters
+    ----------
+    root : Path
+        What the distributions' folders are under.
+    """
     system = platform.system()
     variable = {"Windows": "PATH", "Darwin": "DYLD_LIBRARY_PATH"}.get(system, "LD_LIBRARY_PATH")
     yield from (Path(folder) for folder in os.environ.get(variable, "").split(os.pathsep) if folder)

@@ -14,10 +14,10 @@ from gemrender.render.traced import TracedFilm
 from gemrender.render.wavelengths import FIRST_NM, LAST_NM, binned, drawing_table
 from gemrender.scene.sobol import PixelSamples
 
-__all__ = ["FIRST_NM", "LAST_NM", "Passes", "check_range"]
+__all__ = ["FIRST_NM", "LAST_NM", "LEAST_SPP", "Passes", "camera_samples", "check_range"]
 
 #: Samples a pixel that a pass has at least: they are spread evenly over it.
-_LEAST_SPP = 8
+LEAST_SPP = 8
 
 
 class Passes:
@@ -53,6 +53,8 @@ class Passes:
     ----------
     samples : int
         Samples a pixel so far.
+    caustics : Caustics or None
+        What traces light from the lights; None where stones can throw none, or it is not asked for.
     unsound : int
         Samples, of all pixels, whose radiance was negative or not finite. They count as black.
 
@@ -78,7 +80,7 @@ class Passes:
         self.sensor = scene.sensors()[0]
         scene.integrator().check(scene, self.sensor)
         self._pass_samples = pass_samples or lanes_at_once()
-        self._tile_pixels = max(1, lanes_at_once() // _LEAST_SPP)
+        self._tile_pixels = max(1, lanes_at_once() // LEAST_SPP)
         #: Windows side by side that the picture is of: each has the film's proportions.
         self._windows = 1 if scene.integrator().right_analyser is None else 2
         width, height = (int(n) for n in self.sensor.film().size())
@@ -100,12 +102,12 @@ class Passes:
         self._draw = drawing_table()
         self._turns = 0
         found = scene.integrator().caustics(scene, self.sensor) if caustics else None
-        self._caustics = found if found is not None and found.any else None
+        self.caustics = found if found is not None and found.any else None
         self._film: TracedFilm | None = None
         self._rays_sent = [0, 0]
-        if self._caustics is not None:
+        if self.caustics is not None:
             self._film = TracedFilm(
-                self._caustics,
+                self.caustics,
                 width=self.width,
                 height=self.height,
                 filter_radius=filter_radius,
@@ -253,28 +255,6 @@ class Passes:
 
     # ---- Kernels ----
 
-    def _samples(
-        self, first: int, n: int, spp: int, index: int, seed: int
-    ) -> tuple[Any, PixelSamples, list[Any]]:
-        """Return pixels, their samples, and what the camera is asked with: place, wavelength, lens.
-
-        The last number is for modes of birefringent stones.
-        """
-        import drjit as dr
-        import mitsuba as mi
-
-        # Opaque: sizes and samples in the kernel would make one for each
-        lanes, of_a_pixel = dr.arange(mi.UInt32, n * spp), dr.opaque(mi.UInt32, spp)
-        pixel = lanes // of_a_pixel
-        number = lanes - pixel * of_a_pixel + dr.opaque(mi.UInt32, index)
-        pixel += dr.opaque(mi.UInt32, first)
-        samples = PixelSamples.of(pixel, number, seed)
-        x, y, nm, turn, *others = samples.next(7)
-        # Wavelengths are drawn evenly from the first on: which of them is the first is drawn apart
-        lanes_of_nm = len(mi.Spectrum())
-        nm = dr.minimum((nm + dr.floor(turn * lanes_of_nm)) / lanes_of_nm, dr.one_minus_epsilon(mi.Float))
-        return pixel, samples, [x, y, nm, *others]
-
     def _rays(self, pixel: Any, u: list[Any], wavelengths: Any) -> tuple[Any, Any]:
         """Return rays, and which are of the right one of two windows; None where there is one."""
         import drjit as dr
@@ -313,11 +293,11 @@ class Passes:
         import drjit as dr
         import mitsuba as mi
 
-        pixel, samples, u = self._samples(first, n, spp, self._counts[half], 2 * self.seed + half)
+        pixel, samples, u = camera_samples(first, n, spp, self._counts[half], 2 * self.seed + half)
         nm, weight, response = self._draw(u[2])
         ray, right = self._rays(pixel, u, nm)
         radiance, valid, aovs = self.scene.integrator().sample_with_aovs(
-            self.scene, samples, ray, caustics=self._caustics, modes_by=u[5], right=right
+            self.scene, samples, ray, caustics=self.caustics, modes_by=u[5], right=right
         )
         xyz = [
             sum(L * w * r[k] for L, w, r in zip(radiance, weight, response, strict=True)) for k in range(3)
@@ -351,7 +331,7 @@ class Passes:
         import drjit as dr
         import mitsuba as mi
 
-        pixel, samples, u = self._samples(first, n, spp, 0, 2 * (self.seed + seed))
+        pixel, samples, u = camera_samples(first, n, spp, 0, 2 * (self.seed + seed))
         wavelengths = mi.Spectrum(dr.opaque(mi.Float, float(nm)))
         ray, right = self._rays(pixel, u, wavelengths)
         radiance, _, _ = self.scene.integrator().sample_with_aovs(
@@ -362,6 +342,46 @@ class Passes:
         mean = dr.block_sum(value, spp) / spp
         spread = dr.block_sum(dr.square(value - dr.repeat(mean, spp)), spp) / (spp * max(spp - 1, 1))
         return np.stack([np.asarray(mean), np.sqrt(np.asarray(spread))])
+
+
+def camera_samples(
+    first: int, n: int, spp: int, index: int, seed: int
+) -> tuple[Any, PixelSamples, list[Any]]:
+    """Return samples of pixels, and what the camera is asked with for each.
+
+    Parameters
+    ----------
+    first, n : int
+        The first pixel's number, and how many pixels.
+    spp, index : int
+        Samples a pixel, and the number of the first of them.
+    seed : int
+        Seed: samples of other seeds are independent.
+
+    Returns
+    -------
+    pixel : UInt32
+        The pixel of each sample, (n spp,).
+    samples : PixelSamples
+        Where later numbers come from.
+    numbers : list of Float
+        In [0, 1): two for the place in the pixel, one for the wavelength, two for the lens, and one for
+        the modes of birefringent stones.
+    """
+    import drjit as dr
+    import mitsuba as mi
+
+    # Opaque: sizes and samples in the kernel would make one for each
+    lanes, of_a_pixel = dr.arange(mi.UInt32, n * spp), dr.opaque(mi.UInt32, spp)
+    pixel = lanes // of_a_pixel
+    number = lanes - pixel * of_a_pixel + dr.opaque(mi.UInt32, index)
+    pixel += dr.opaque(mi.UInt32, first)
+    samples = PixelSamples.of(pixel, number, seed)
+    x, y, nm, turn, *others = samples.next(7)
+    # Wavelengths are drawn evenly from the first on: which of them is the first is drawn apart
+    lanes_of_nm = len(mi.Spectrum())
+    nm = dr.minimum((nm + dr.floor(turn * lanes_of_nm)) / lanes_of_nm, dr.one_minus_epsilon(mi.Float))
+    return pixel, samples, [x, y, nm, *others]
 
 
 def check_range(low: float, high: float) -> None:

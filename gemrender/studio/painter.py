@@ -16,6 +16,7 @@ import sys
 import threading
 import time
 import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import IO, TYPE_CHECKING, Any, NamedTuple
 
@@ -24,7 +25,7 @@ from gemrender.errors import GemrenderError, GemrenderWarning
 if TYPE_CHECKING:
     from gemrender.stone import Stone
 
-__all__ = ["Job", "main"]
+__all__ = ["Job", "Orders", "Stage", "main", "paint"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +40,7 @@ class Job:
     metal: str | None = None
 
 
-class _Stage(NamedTuple):
+class Stage(NamedTuple):
     """Side of a picture [pixels], and its last sample a pixel."""
 
     size: int
@@ -47,7 +48,7 @@ class _Stage(NamedTuple):
 
 
 #: A small coarse picture first, which is there soon; the last one refines until its noise is not seen.
-_STAGES = (_Stage(128, 8), _Stage(256, 16), _Stage(512, 1024))
+_STAGES = (Stage(128, 8), Stage(256, 16), Stage(512, 1024))
 _NOISE = 0.01
 #: Samples of a pass: some seconds of one core, so that a pass ends soon where it is wanted no more.
 _PASS_SAMPLES = 1 << 18
@@ -59,7 +60,7 @@ _NICE = 19
 _log = logging.getLogger("gemrender.studio")
 
 
-class _Orders:
+class Orders:
     """What is wanted: the newest job, and whether work at it pauses."""
 
     def __init__(self) -> None:
@@ -68,18 +69,14 @@ class _Orders:
         self._is_paused = False
         self._begun: Job | None = None
 
-    def read(self, source: IO[bytes]) -> None:
-        """Take orders until there is nobody to give them."""
-        with contextlib.suppress(EOFError, OSError):
-            while True:
-                order, job = pickle.load(source)
-                with self._changed:
-                    if order == "paint":
-                        self._job, self._is_paused = job, False
-                    else:
-                        self._is_paused = order == "pause"
-                    self._changed.notify_all()
-        os._exit(0)  # whatever is worked at is for nobody
+    def take(self, order: str, job: Job | None = None) -> None:
+        """Take an order: "paint" a job instead of the one before, "pause", or "go" on."""
+        with self._changed:
+            if order == "paint":
+                self._job, self._is_paused = job, False
+            else:
+                self._is_paused = order == "pause"
+            self._changed.notify_all()
 
     def next(self) -> Job:
         """Wait for a job that was not begun yet."""
@@ -102,12 +99,12 @@ def main() -> None:
         os.nice(_NICE)
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # what libraries print is no answer
-    orders = _Orders()
-    threading.Thread(target=orders.read, args=(sys.stdin.buffer,), daemon=True).start()
+    orders = Orders()
+    threading.Thread(target=_read, args=(orders, sys.stdin.buffer), daemon=True).start()
     while True:
         job = orders.next()
         try:
-            _paint(job, orders, answers)
+            paint(job, orders, answers)
         except GemrenderError as error:
             _tell(answers, {"key": job.key, "why": " ".join(str(error).split())})
         except Exception as error:
@@ -115,29 +112,57 @@ def main() -> None:
             _tell(answers, {"key": job.key, "why": f"cannot be rendered: {type(error).__name__}"})
 
 
-def _paint(job: Job, orders: _Orders, answers: IO[bytes]) -> None:
-    """Tell pictures of a job, until the last one or another job is wanted."""
+def _read(orders: Orders, source: IO[bytes]) -> None:
+    """Take orders until there is nobody to give them."""
+    with contextlib.suppress(EOFError, OSError):
+        while True:
+            orders.take(*pickle.load(source))
+    os._exit(0)  # whatever is worked at is for nobody
+
+
+def paint(
+    job: Job, orders: Orders, answers: IO[bytes], stages: Sequence[Stage] = _STAGES, apart: float = _APART
+) -> None:
+    """Tell pictures of a job, until the last one or another job is wanted.
+
+    Parameters
+    ----------
+    job, orders : Job, Orders
+        What to paint, and what is wanted meanwhile.
+    answers : binary file
+        Where each picture is told, pickled.
+    stages : sequence of Stage
+        The pictures, at least two. Of all but the last one only the end is told.
+    apart : float
+        The last one's states are told so far apart [s].
+
+    Raises
+    ------
+    GemrenderError
+        It cannot be rendered.
+    """
     from gemrender.render.photoreal import require_denoiser
     from gemrender.render.picture import Picture
     from gemrender.render.shots import prepare
 
     if job.denoise:
         require_denoiser()
-    for stage in _STAGES:
+    least_rays = stages[-2].spp * stages[-2].size ** 2
+    for stage in stages:
         last = time.monotonic()
-        is_last = stage is _STAGES[-1]
+        is_last = stage is stages[-1]
         shot = prepare(
             job.stone, job.setup, setting=job.setting, metal=job.metal,
             size=stage.size, spp=stage.spp, noise=_NOISE if is_last else None,
         )  # fmt: skip
 
-        def show(picture: Picture, share: float, stage: _Stage = stage, is_last: bool = is_last) -> bool:
+        def show(picture: Picture, share: float, stage: Stage = stage, is_last: bool = is_last) -> bool:
             nonlocal last
             if not orders.go_on(job):
                 return False
             is_done = share >= 1.0
             # Of a coarse picture the end only; of the fine one no worse ones, now and then.
-            is_worth = time.monotonic() - last > _APART and picture.samples * stage.size**2 >= _least_rays()
+            is_worth = time.monotonic() - last > apart and picture.samples * stage.size**2 >= least_rays
             if is_done or (is_last and is_worth):
                 last = time.monotonic()
                 _tell(answers, _told(job, picture, share if is_last else 0.0, is_last and is_done))
@@ -148,10 +173,6 @@ def _paint(job: Job, orders: _Orders, answers: IO[bytes]) -> None:
             stopped = shot.picture(on_pass=show, pass_samples=_PASS_SAMPLES).stopped
         if stopped == "interrupted":
             return
-
-
-def _least_rays() -> int:
-    return _STAGES[-2].spp * _STAGES[-2].size ** 2
 
 
 def _told(job: Job, picture: Any, share: float, is_done: bool) -> dict[str, Any]:

@@ -28,7 +28,7 @@ def render(gemrender, folder):
 def short_passes(monkeypatch):
     """Passes of four samples a pixel, of pictures of 16 x 16."""
     monkeypatch.setattr(lanes, "AT_ONCE", 1 << 10)
-    monkeypatch.setattr(passes, "_LEAST_SPP", 4)
+    monkeypatch.setattr(passes, "LEAST_SPP", 4)
 
 
 @pytest.fixture

@@ -214,7 +214,7 @@ def test_a_furnace_with_a_white_ground_is_white(all_traced, monkeypatch):
         glass={"type": "sphere", "center": [-1.2, -0.8, -0.3], "radius": 0.3, "bsdf": glass},
     )
     found = pictures(loaded, 64, filter_radius=1.0)[..., 1]
-    assert Passes(loaded)._caustics is not None
+    assert Passes(loaded).caustics is not None
     luminance = found.mean(axis=1)
     assert abs(luminance.mean() - 1) <= FLAT + SIGMAS * standard_error(luminance)
     assert standard_error(luminance) < 0.003
@@ -253,7 +253,7 @@ def test_the_ground_gets_the_light_that_mitsubas_path_finds():
     parts = {"lamp": lamp(1.2, 20.0), "ground": ground(0.6)}
     sensor = camera("perspective")
     ours = scene(sensor, **parts, stone=placed_mesh(placed, surface(int_ior=INDEX), "stone"))
-    assert Passes(ours)._caustics is not None
+    assert Passes(ours).caustics is not None
     sensor["film"]["pixel_format"] = "xyz"
     stock = scene(sensor, **parts, stone=placed_mesh(placed, STOCK, "stone"), integrator=PATH)
     shown = ~Passes(ours).stone_pixels
@@ -268,8 +268,8 @@ def test_the_ground_gets_the_light_that_mitsubas_path_finds():
 def test_a_small_light_is_traced_and_a_large_one_is_not():
     for half, traced in ((0.1, True), (2.0, False)):
         loaded = scene(camera("perspective"), lamp=lamp(half, 20.0), ground=ground(0.6), stone=stone())
-        assert (Passes(loaded)._caustics is not None) == traced
-        assert Passes(loaded, caustics=False)._caustics is None
+        assert (Passes(loaded).caustics is not None) == traced
+        assert Passes(loaded, caustics=False).caustics is None
 
 
 @pytest.mark.parametrize("without", ["ground", "stone", "light on it"])
@@ -280,7 +280,7 @@ def test_where_nothing_can_be_thrown_nothing_is_traced(without):
         parts |= {"lamp": lamp(0.1, 20.0) | {"bsdf": matt(0.0)}, "ground": ground(0.0)}
     else:
         del parts[without]
-    assert Passes(scene(camera("perspective"), **parts))._caustics is None
+    assert Passes(scene(camera("perspective"), **parts)).caustics is None
 
 
 # ---- A prism -------------------------------------------------------------------------------------------
@@ -385,7 +385,7 @@ def test_an_interrupted_pass_counts_nothing(monkeypatch):
     for passes in (whole, cut):
         passes.add(4)
     with monkeypatch.context() as patch:
-        patch.setattr(type(cut._caustics), "trace", interrupted)
+        patch.setattr(type(cut.caustics), "trace", interrupted)
         with pytest.raises(KeyboardInterrupt):
             cut.add(4)
     assert cut.samples == 4

@@ -12,7 +12,7 @@ from gemrender.cuts.tiers import Tier
 from gemrender.errors import InputError
 from gemrender.optics.fresnel import critical_angle_deg
 from gemrender.stone import Stone
-from gemrender.sweep.cliffs import PLACE, find_cliffs, parameters_of
+from gemrender.sweep.cliffs import PLACE, REACH, STEPS, find_cliffs, parameters_of
 
 #: Places are told to half of the last interval, and there is rounding.
 CLOSE = 0.5 * PLACE + 1e-9
@@ -120,7 +120,8 @@ def test_the_end_of_a_range_is_the_end():
     )
     below, _ = cliffs_of(Stone.from_proportions(thin), "girdle_thickness")
     assert below.at is None
-    assert below.searched == pytest.approx(0.28)
+    step = REACH["%"] / STEPS
+    assert below.searched == pytest.approx(step * (0.3 // step))  # whole steps
     assert below.to_dict()["jumps"] == {}
 
 

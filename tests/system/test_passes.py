@@ -13,7 +13,7 @@ from gemrender.colorimetry import colour_matching, y_integral_nm
 from gemrender.cuts import load_stone
 from gemrender.errors import InputError
 from gemrender.render.backend import ensure_variant
-from gemrender.render.passes import Passes, check_range
+from gemrender.render.passes import Passes, camera_samples, check_range
 from gemrender.render.photoreal import FILTER_RADIUS, make_gems, render
 from gemrender.scene.loading import load_scene
 from gemrender.scene.photoreal import photoreal_scene
@@ -88,11 +88,12 @@ def test_the_noise_is_the_error_on_the_stone(setup, number):
     assert abs(ratio(range(n)) - 1) < SURE * error
 
 
-def test_camera_samples_of_neighbours_and_halves_have_nothing_in_common(scene):
+@pytest.mark.usefixtures("scene")
+def test_camera_samples_of_neighbours_and_halves_have_nothing_in_common():
     """Differences of independent numbers, modulo 1, are even: chi-square over 64 bins."""
-    passes, n = Passes(scene, size=SIZE), 1 << 16
+    n = 1 << 16
     for seed in (0, 2, 1000):
-        first, second = ([np.asarray(x) for x in passes._samples(0, n, 1, 0, seed + k)[2]] for k in (0, 1))
+        first, second = ([np.asarray(x) for x in camera_samples(0, n, 1, 0, seed + k)[2]] for k in (0, 1))
         for a, b in zip(first, second, strict=True):
             for difference in (a - b, np.diff(a), a[::32][1:] - a[::32][:-1]):
                 counts, _ = np.histogram(difference % 1, 64, (0, 1))
@@ -197,7 +198,7 @@ def test_an_interruption_leaves_the_sums(scene, monkeypatch):
     def interrupt(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(passes, "_tile", interrupt)
+    monkeypatch.setattr("gemrender.render.passes.camera_samples", interrupt)
     with pytest.raises(KeyboardInterrupt):
         passes.add(4)
     assert passes.samples == 4
@@ -242,9 +243,10 @@ def test_a_stone_in_a_stone_is_refused():
         Passes(own_scene([0, 0.1, 5], (0, 0, 0), (1.9, 0, 0)))
 
 
-def test_the_numbers_of_a_camera_sample_have_nothing_in_common(scene):
+@pytest.mark.usefixtures("scene")
+def test_the_numbers_of_a_camera_sample_have_nothing_in_common():
     """Sums and differences of two of them, modulo 1, are even over the samples of a pixel."""
-    u = [np.asarray(x) for x in Passes(scene, size=SIZE)._samples(0, 1, 4096, 0, 3)[2]]
+    u = [np.asarray(x) for x in camera_samples(0, 1, 4096, 0, 3)[2]]
     for k, a in enumerate(u):
         for b in u[:k]:
             for together in (a + b, a - b):

@@ -85,7 +85,7 @@ def test_better_is_no_worse_and_somewhere_more(goals, others, better):
     assert is_better(goals, others) is better
 
 
-def stop(*_):
+def stop(*_, **__):
     raise KeyboardInterrupt
 
 
@@ -100,7 +100,7 @@ def test_ctrl_c_keeps_the_best_so_far(monkeypatch):
 
 
 def test_ctrl_c_before_the_first_stone_keeps_nothing(monkeypatch):
-    monkeypatch.setattr("gemrender.sweep.improve.run._evolve", stop)
+    monkeypatch.setattr("scipy.optimize.differential_evolution", stop)
     with pytest.raises(KeyboardInterrupt) as caught:
         improve(STONE, "inoue", TWO)
     assert not isinstance(caught.value, SearchInterruptedError)

@@ -1,9 +1,11 @@
-"""Who may import whom (`design.md`): read from the source, function-level imports included."""
+"""Who may import whom (`design.md`), and what tests may know: read from the source, functions included."""
 
 from __future__ import annotations
 
 import ast
+import contextlib
 import sys
+import textwrap
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache
 from pathlib import Path
@@ -55,6 +57,16 @@ RANK = {part: rank for rank, layer in enumerate(LAYERS) for part in layer}
 LIBRARIES = {part: libraries for layer in LAYERS for part, libraries in layer.items()}
 
 MODULES = sorted(path for path in PACKAGE.rglob("*.py") if path != PACKAGE / "__init__.py")
+TESTS = Path(__file__).parents[1]
+
+#: Members that begin with an underscore and are no secrets of ours, and by whose documents.
+OTHERS_MEMBERS = {
+    "_exit": "Python's os",
+    "_repr_html_": "IPython's display protocol",
+    "_repr_png_": "IPython's display protocol",
+}
+#: What takes the name of a member as a string, and changes or reads it.
+BY_NAME = ("setattr", "delattr", "getattr", "hasattr")
 
 
 def part_of(path: Path) -> str:
@@ -215,6 +227,74 @@ def test_modules_that_name_mitsuba_put_off_their_annotations():
             yield "from __future__ import annotations"
 
     check_all(rule)
+
+
+# ---- What tests may know -------------------------------------------------------------------------------
+
+
+def is_private(name: str) -> bool:
+    """Whether a name begins with one underscore; those with two on each side are Python's."""
+    return name.startswith("_") and not name.startswith("__")
+
+
+def private_names(nodes: Iterable[ast.AST]) -> Iterator[str]:
+    """Yield the private names of gemrender that a test knows: imported, as members, or in strings.
+
+    Members of `self` and `cls` are a test's own. Whose other members are cannot be told from the source:
+    those of other packages are the few in `OTHERS_MEMBERS`.
+    """
+    for node in nodes:
+        if isinstance(node, ast.Attribute):
+            if is_private(node.attr) and not (named(node.value, "self") or named(node.value, "cls")):
+                yield from {node.attr} - OTHERS_MEMBERS.keys()
+        elif isinstance(node, ast.Import | ast.ImportFrom):
+            for name in imports([node]):
+                if name.startswith("gemrender.") and any(map(is_private, name.split("."))):
+                    yield name
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str) and "gemrender" in node.value:
+            with contextlib.suppress(SyntaxError):  # a path of names, a program for another process, or words
+                yield from private_names(ast.walk(ast.parse(textwrap.dedent(node.value))))
+        elif isinstance(node, ast.Call) and any(named(node.func, name) for name in BY_NAME):
+            for name in node.args[1:2]:
+                if isinstance(name, ast.Constant) and is_private(str(name.value)):
+                    yield from {str(name.value)} - OTHERS_MEMBERS.keys()
+
+
+def test_tests_use_no_private_names():
+    """What a test needs is public, or is seen in what comes out: else every change of how breaks it."""
+    paths = sorted({*TESTS.rglob("*.py")} - {Path(__file__)})  # the next test shows what is not allowed
+    assert len(paths) > 100  # the walk finds them
+    broken = [
+        f"{path.relative_to(TESTS).as_posix()}: {name}"
+        for path in paths
+        for name in private_names(nodes(path))
+    ]
+    assert not broken, "\n".join(broken)
+
+
+def test_the_walk_sees_private_names_however_they_are_used():
+    source = """
+from gemrender.sweep.tilt import _entry, study_tilt
+import gemrender._inner
+from helpers import _own
+painter._paint(self._job, cls._jobs, page._repr_html_(), os._exit, page.__dict__)
+monkeypatch.setattr(output, "_PATIENCE", 1)
+monkeypatch.setattr(output, "PATIENCE", 1)
+monkeypatch.setattr("gemrender.sweep.store._READ", 2)
+run_python("-c", "from gemrender.sweep import _said\\nprint(_said)")
+with pytest.raises(ValueError, match="gemrender and its _ways"): ...
+"""
+    assert sorted(private_names(ast.walk(ast.parse(source)))) == [
+        "_PATIENCE",
+        "_READ",
+        "_paint",
+        "gemrender._inner",
+        "gemrender.sweep._said",
+        "gemrender.sweep.tilt._entry",
+    ]
+
+
+# ---- The rules themselves ------------------------------------------------------------------------------
 
 
 def test_the_walk_sees_imports_wherever_they_are():

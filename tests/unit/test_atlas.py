@@ -16,7 +16,7 @@ import pytest
 
 import gemrender as gem
 from gemrender.errors import BackendError, InputError
-from gemrender.sweep.atlas import make_atlas, run, work
+from gemrender.sweep.atlas import make_atlas, work
 from gemrender.sweep.atlas.chunk import chunk_values, measure_chunk
 from gemrender.sweep.atlas.export import export_atlas
 from gemrender.sweep.atlas.map import cliffs
@@ -280,8 +280,8 @@ def test_bytes_are_the_same_in_any_order_and_number_of_threads(planned, tmp_path
 
 def test_processes_write_the_same_bytes_though_one_of_them_is_killed(planned, tmp_path, monkeypatch, caplog):
     """They are started after the first stones, which threads have measured."""
-    monkeypatch.setattr(work, "_TRIAL_S", 0.0)
-    monkeypatch.setattr(work, "_WORTH_S", 0.0)
+    monkeypatch.setattr(work, "TRIAL_S", 0.0)
+    monkeypatch.setattr(work, "WORTH_S", 0.0)
     monkeypatch.setattr("os.cpu_count", lambda: 2)
     plan = planned(SOBOL.replace("number = 7", "number = 40"))
     killed = []
@@ -340,7 +340,7 @@ def test_the_status_of_many_chunks_is_read_some_at_a_time(planned, tmp_path, mon
     whole = store.status()
     assert len(np.unique(whole)) == 3
     for number in (1, 2, 4):
-        monkeypatch.setattr("gemrender.sweep.atlas.store._READ", number)
+        monkeypatch.setattr("gemrender.sweep.atlas.store.CHUNKS_AT_ONCE", number)
         np.testing.assert_array_equal(store.status(), whole)
 
 
@@ -467,10 +467,10 @@ def test_the_command_makes_goes_on_and_exports(gemrender, folder):
 def test_an_interrupted_command_ends_with_130(gemrender, folder, monkeypatch):
     (folder / "grid.toml").write_text(textwrap.dedent(GRID))
 
-    def interrupt(*arguments, **options):
+    def interrupt(store):
         os.kill(os.getpid(), signal.SIGINT)
 
-    monkeypatch.setattr(run, "_made", interrupt)
+    monkeypatch.setattr(AtlasStore, "tidy", interrupt)  # once all is measured
     assert gemrender("atlas", "grid.toml")[0] == 130
     assert len(list((folder / "grid.zarr" / "status" / "c").iterdir())) == 3
 

@@ -86,13 +86,13 @@ def test_an_adaptive_cluster_starts_workers_for_it(plan, tmp_path, expected):
 
 
 def test_a_scheduler_without_workers_is_told(plan, tmp_path, monkeypatch):
-    monkeypatch.setattr("gemrender.sweep.atlas.cluster._WORKERS_S", 0.2)
+    monkeypatch.setattr("gemrender.sweep.atlas.cluster.WORKERS_S", 0.2)
     with cluster(n_workers=0, processes=False) as empty, pytest.raises(InputError, match="has no worker"):
         make_atlas(plan, str(tmp_path / "a.zarr"), dask=empty.scheduler_address)
 
 
 def test_after_the_scheduler_has_ended_another_one_goes_on(plan, tmp_path, expected, monkeypatch, caplog):
-    monkeypatch.setattr("gemrender.sweep.atlas.cluster._ANSWER_S", 1)
+    monkeypatch.setattr("gemrender.sweep.atlas.cluster.ANSWER_S", 1)
     where = str(tmp_path / "a.zarr")
     one = cluster(n_workers=1, processes=False)
     with pytest.raises(BackendError, match="was lost; what is done is kept"):
@@ -107,7 +107,7 @@ def test_after_the_scheduler_has_ended_another_one_goes_on(plan, tmp_path, expec
 
 
 def test_a_scheduler_that_is_not_there_is_told(plan, tmp_path, monkeypatch):
-    monkeypatch.setattr("gemrender.sweep.atlas.cluster._ANSWER_S", 0.2)
+    monkeypatch.setattr("gemrender.sweep.atlas.cluster.ANSWER_S", 0.2)
     with pytest.raises(InputError, match="no scheduler answers there"):
         make_atlas(plan, str(tmp_path / "a.zarr"), dask="tcp://127.0.0.1:9")
 

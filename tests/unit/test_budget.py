@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 from beam_help import TOLD_AREA
 from exact_tolerances import TILING
+from physics_tolerances import THREE_SIGMA
 from rich.console import Console
+from thorough import chosen
 
 from gemrender.beam import Budget, FacetStatus, MemoryBudget, beam_stone, check_limits, measure, trace_facets
 from gemrender.beam.budget import MEMORY_RANGE, PAUSED, TIME_RANGE
@@ -21,10 +23,11 @@ from gemrender.cuts import RoundBrilliant, load_stone
 from gemrender.engines import require_engine
 from gemrender.errors import InputError
 from gemrender.observation import MAP_TYPES, Model, View, bound_text
+from gemrender.reference.tracer import START_DISTANCE, trace
 from gemrender.report.formats import print_tables
 from gemrender.report.tables import score_table
 from gemrender.scoring import score, score_measurement
-from gemrender.stone import Stone
+from gemrender.stone import Stone, tessellate
 
 STONE = load_stone("inoue-2")
 #: No time left, however often one asks.
@@ -155,15 +158,36 @@ def test_maps_past_the_budget_are_those_within_it():
     np.testing.assert_allclose(within.primary_intensity[few], past.primary_intensity[few], rtol=0, atol=1e-3)
 
 
+#: Scores of `many_facets` by random rays, and their standard errors [%]; the reference tracer has them too.
+AVERAGE, REAR = (35.57, 0.08), (59.46, 0.07)
+
+
 def test_a_stone_of_many_facets_ends_with_a_true_bound():
-    """Computed elsewhere: Average 35.57 +- 0.08, Rear 59.46 +- 0.07. Without limits it takes gigabytes."""
+    """Without limits it takes gigabytes."""
     stone, view = many_facets()
     require_engine("exact")  # compiled before the clock runs
     found = measure(beam_stone(stone), view=view, budget=Budget(0.5, 0.125))
-    assert abs(found.average - 35.57) <= 0.08 + found.bound
-    assert abs(found.rear - 59.46) <= 0.07 + found.bound
+    assert abs(found.average - AVERAGE[0]) <= AVERAGE[1] + found.bound
+    assert abs(found.rear - REAR[0]) <= REAR[1] + found.bound
     assert 0.05 < found.bound < 5
     assert len(found.notes) == 2
+
+
+@pytest.mark.parametrize("rays", chosen([4_000, 200_000], [4_000]))
+def test_the_reference_tracer_has_these_scores(rays, rng):
+    """By random rays over the narrow box that the stone fills of its view."""
+    stone, view = many_facets()
+    eye = view.basis()[2]
+    across = np.cross([0.0, 0.0, 1.0], eye)
+    axes = np.stack([across / np.linalg.norm(across), np.cross(eye, across) / np.linalg.norm(across)])
+    corners = tessellate(stone).vertices @ axes.T
+    points = rng.uniform(corners.min(axis=0), corners.max(axis=0), (rays, 2)) @ axes + START_DISTANCE * eye
+    seen = trace(stone, points, np.broadcast_to(-eye, points.shape), Model.of(stone))
+    met = seen.coverage > 0
+    assert met.mean() > 0.5
+    for values, (right, error) in ((seen.primary_intensity, AVERAGE), (100.0 * seen.rear_mask, REAR)):
+        of_rays = values[met].std() / np.sqrt(met.sum())
+        assert abs(values[met].mean() - right) <= THREE_SIGMA * np.hypot(of_rays, error)
 
 
 def test_derivatives_of_such_a_stone_are_refused_in_one_line():
@@ -183,7 +207,7 @@ def test_trapped_light_is_a_reason():
 
 
 def test_too_few_rays_are_a_reason(monkeypatch):
-    monkeypatch.setattr(sys.modules["gemrender.beam.measure"], "_MOST_RAYS", 64)
+    monkeypatch.setattr(sys.modules["gemrender.beam.measure"], "MOST_RAYS", 64)
     (note,) = measure(STONE, bound=1e-3).notes
     assert note.endswith(" instead of 0.001: no more than 1024 rays are followed")
 

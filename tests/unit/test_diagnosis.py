@@ -6,6 +6,7 @@ import io
 import os
 
 import pytest
+from doctor_help import found
 from rich.console import Console
 
 from gemrender.render import diagnosis
@@ -21,15 +22,16 @@ def test_diagnosis_runs_kernels_in_both_variants(monkeypatch):
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no signals")
 def test_diagnosis_survives_and_reports_an_abort(monkeypatch):
-    monkeypatch.setattr(diagnosis, "_SELF_TEST", "import os; os.abort()")
-    checks = diagnosis._check_running()
-    assert (checks[0].ok, checks[0].detail) == (False, "the process was ended by SIGABRT")
+    check = found(monkeypatch, running="import os; os.abort()")["Dr.Jit"]
+    assert (check.ok, check.detail) == (False, "the process was ended by SIGABRT")
 
 
 def test_cache_that_cannot_be_written_is_no_failure(monkeypatch, tmp_path):
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("DRJIT_CACHE_DIR", str(tmp_path / "file"))
-    assert diagnosis._check_cache().ok is None
+    check = found(monkeypatch)["kernel cache"]
+    assert check.ok is None
+    assert check.detail == f"{tmp_path / 'file'} is not writable, every run compiles its kernels again"
 
 
 def report(*checks: Check, encoding: str = "utf-8") -> tuple[bool, list[str]]:
@@ -63,9 +65,9 @@ def test_what_works_without_mitsuba_is_told():
     assert "gemrender score --engine exact" in lines[-1]
 
 
-def test_the_exact_engine_is_checked_without_mitsuba():
-    check = diagnosis._check_exact()
-    assert (check.name, check.ok) == ("exact engine", True)
+def test_the_exact_engine_is_checked_without_mitsuba(monkeypatch):
+    check = found(monkeypatch, running="raise SystemExit('no Mitsuba')")["exact engine"]
+    assert check.ok
     assert check.detail.startswith("numba ")
 
 

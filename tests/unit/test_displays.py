@@ -14,7 +14,6 @@ from matplotlib import image
 from solids import BRILLIANTS
 from thorough import chosen
 
-from gemrender.cli.show import _DISPLAYS, _FORMATS, _points
 from gemrender.cuts import RoundBrilliant, load_stone, stone_from_vertices
 from gemrender.cuts.round_brilliant.topology import FACET_KINDS, GIRDLE, TRIANGLES, VERTEX_LABELS
 from gemrender.errors import InputError
@@ -239,8 +238,9 @@ def test_facets_seen_from_above_and_below(bundled):
     assert crown.facets == tuple(range(33))
     assert pavilion.facets == tuple(range(33, 57))
     assert len(visible_vertices(crown)) == len(visible_vertices(pavilion)) + 7 == 32
-    assert len(visible_triangles(stone, crown)) == 46
-    assert len(visible_triangles(stone, pavilion)) == 32
+    # An octagon of a table falls into six; bezels and mains have four corners, the others three
+    assert len(visible_triangles(stone, crown)) == 6 + 8 + 2 * 8 + 16
+    assert len(visible_triangles(stone, pavilion)) == 2 * 8 + 16
 
 
 @pytest.mark.parametrize("bundled", BRILLIANTS)
@@ -507,17 +507,30 @@ def test_an_unknown_format(tmp_path):
         write_display(stone_named("inoue-3"), "shape", tmp_path, "s", formats=("gif",))
 
 
-def test_the_command_knows_what_the_package_draws():
-    assert _DISPLAYS == DISPLAYS
-    assert set().union(*_FORMATS.values()) == set(FORMATS)
+def test_the_command_knows_what_the_package_draws(gemrender, folder):
+    allowed = ", ".join([*DISPLAYS, "all"])
+    assert gemrender("show", "inoue-3", "--what", "?") == (
+        2, "", f"gemrender: --what = '?': must be one of {allowed}\n"
+    )  # fmt: skip
+    assert gemrender("show", "inoue-3", "--what", "shape", "--format", "all", "--out", "drawn")[0] == 0
+    assert {path.name for path in (folder / "drawn").iterdir()} == {f"inoue-3-shape.{of}" for of in FORMATS}
 
 
-def test_points_as_the_command_line_gives_them():
-    assert _points(None) is None
-    assert _points(["0.3,0.1", "-0.2, .5 ;0,0"]) == [(0.3, 0.1), (-0.2, 0.5), (0.0, 0.0)]
-    for text in ("", "1", "1,2,3", "a,b", "nan,0", "0,inf", ","):
-        with pytest.raises(InputError, match=r"at = .*: must be two finite numbers x,y"):
-            _points([text])
+def test_points_as_the_command_line_gives_them(gemrender, folder):
+    drawing = ("show", "inoue-3", "--what", "rays", "--format", "svg")
+    given = ("--at", "0.3,0.1", "--at", "-0.2, .5 ;0,0")
+    assert gemrender(*drawing, *given)[0] == 0
+    points = [(0.3, 0.1), (-0.2, 0.5), (0.0, 0.0)]
+    [expected] = write_display(stone_named("inoue-3"), "rays", folder, "x", formats=("svg",), at=points)
+    assert (folder / "inoue-3-rays.svg").read_bytes() == expected.read_bytes()
+
+
+@pytest.mark.parametrize("text", ["", "1", "1,2,3", "a,b", "nan,0", "0,inf", ","])
+def test_what_is_no_point_is_refused_in_one_line(text, gemrender, folder):
+    status, _, err = gemrender("show", "inoue-3", "--what", "rays", "--at", text)
+    assert (status, err.count("\n")) == (2, 1)
+    assert err.startswith(f"gemrender: --at = '{text}': must be two finite numbers x,y")
+    assert list(folder.iterdir()) == []
 
 
 def test_only_the_near_side_is_seen_of_the_girdle():

@@ -11,12 +11,13 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 import pytest
+import typer
 from documents import PAGES, Block, blocks, blocks_in, command_lines
 from meshes import box, obj
 from observations import ROOT
 
 import gemrender
-from gemrender.cli.program import _commands, run
+from gemrender.cli.program import app, run
 from gemrender.cuts import load_stone
 from gemrender.optics import load_material
 from gemrender.sweep.atlas import read_plan
@@ -131,9 +132,10 @@ def test_every_block_is_known():
 
 
 def test_commands_are_as_the_program_takes_them():
+    known = typer.main.get_command(app).commands
     for block, words in commands():
         if words[0].endswith("gemrender"):
-            command = _commands().commands.get(words[1])
+            command = known.get(words[1])
             assert command is not None, f"{block}: {words}"
             arguments = words[2:]
             if ">" in arguments:

@@ -62,10 +62,11 @@ def test_a_note_on_a_column_goes_with_it():
     assert "Band: what it is." not in printed(made, 50)
 
 
-def test_the_command_line_offers_the_forms_that_there_are():
-    from gemrender.cli import options
-
-    assert options._FORMATS == FORMATS
+def test_the_command_line_offers_the_forms_that_there_are(gemrender):
+    allowed = ", ".join(FORMATS)
+    assert gemrender("score", "inoue-3", "--format", "?") == (
+        2, "", f"gemrender: --format = '?': must be one of {allowed}\n"
+    )  # fmt: skip
 
 
 def test_numbers_are_never_cut():

@@ -159,7 +159,11 @@ def test_the_finder_leaves_it_to_others_to_miss_an_llvm(monkeypatch):
         raise BackendError("none")
 
     monkeypatch.setattr(llvm, "prepare_llvm", prepare)
-    assert import_order._BeforeDrjit().find_spec("drjit") is None
+    monkeypatch.setattr(sys, "meta_path", [])
+    monkeypatch.delitem(sys.modules, "drjit", raising=False)
+    import_order.name_llvm_before_drjit()
+    (finder,) = sys.meta_path
+    assert finder.find_spec("drjit") is None
 
 
 @pytest.mark.parametrize(

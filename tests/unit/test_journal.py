@@ -14,6 +14,7 @@ import pytest
 
 from gemrender.errors import InputError
 from gemrender.journal import Journal, OtherWorkError
+from gemrender.reading import open_file
 from tests.observations import environment
 
 HEAD = {"stone": "x", "sizes": [1.5, 2]}
@@ -189,10 +190,20 @@ def test_what_is_no_file_is_refused_at_once(tmp_path):
     assert "No such file" in refusal(tmp_path / "none" / "x.jsonl")
 
 
-def test_a_full_disk_is_one_line(path):
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs Linux's device that is full")
+def test_a_full_disk_is_one_line(path, monkeypatch):
+    files = []
+
+    def remembered(*arguments):
+        files.append(open_file(*arguments))
+        return files[-1]
+
+    monkeypatch.setattr("gemrender.journal.open_file", remembered)
     with opened(path) as journal:
-        journal._file.close()
-        journal._file = open("/dev/full", "r+b", buffering=0)  # noqa: SIM115, PTH123
+        # From now on what is written there goes to a device that has no room
+        full = os.open("/dev/full", os.O_RDWR)
+        os.dup2(full, files[-1].fileno())
+        os.close(full)
         with pytest.raises(InputError, match=r"study\.jsonl: cannot be written \(No space left on device\)"):
             journal.add(1, 1.0)
 

@@ -7,16 +7,16 @@ import queue
 import shutil
 import threading
 
+import numba
 import numpy as np
 import pytest
-from numba.core.caching import NullCache
+from doctor_help import found
 from observations import run_python
 
 import gemrender.beam
 from gemrender.beam import cache as kernel_cache
 from gemrender.beam import is_compiled, polygons, prepare
 from gemrender.beam.compiled import COMPILING
-from gemrender.render import diagnosis
 
 SOURCE = """
 from gemrender.beam.compiled import jit
@@ -59,6 +59,11 @@ def compilations(kernel) -> int:
     return sum(kernel.stats.cache_misses.values())
 
 
+def damaged(kernel) -> list[str]:
+    """Return the files of a kernel that are damaged."""
+    return kernel_cache.KernelCache(kernel.py_func).damaged()
+
+
 def cut(path):
     path.write_bytes(path.read_bytes()[:-40])
 
@@ -98,10 +103,9 @@ def test_a_damaged_file_is_replaced(load, tmp_path, ending, damage):
     compilations(load())
     (path,) = files(tmp_path, ending)
     DAMAGE[damage](path)
-    told = load()._cache.damaged()
-    assert told == ([] if damage == "gone" else [str(path)])
+    assert damaged(load()) == ([] if damage == "gone" else [str(path)])
     assert [compilations(load()) for _ in range(2)] == [1, 0]
-    assert load()._cache.damaged() == []
+    assert damaged(load()) == []
 
 
 @pytest.mark.parametrize("ending", ["nbi", "nbc"])
@@ -110,7 +114,7 @@ def test_a_file_that_cannot_be_replaced_does_no_harm(load, tmp_path, ending):
     (path,) = files(tmp_path, ending)
     turn_into_a_folder(path)
     assert [compilations(load()) for _ in range(2)] == [1, 1]
-    assert load()._cache.damaged() == [str(path)]
+    assert damaged(load()) == [str(path)]
 
 
 def test_a_folder_that_is_gone_is_made_again(load, tmp_path):
@@ -124,7 +128,7 @@ def test_a_change_of_any_kernels_source_is_seen(load, monkeypatch):
     """Also of one that this kernel calls, in another file."""
     compilations(load())
     monkeypatch.setattr(kernel_cache, "source_stamp", lambda: "other sources")
-    assert load()._cache.damaged() == []  # old, not damaged
+    assert damaged(load()) == []  # old, not damaged
     assert [compilations(load()) for _ in range(2)] == [1, 0]
 
 
@@ -171,15 +175,15 @@ def test_what_is_told_to_be_compiled_needs_no_compilation(tmp_path):
 
 def test_the_doctor_tells_of_damaged_files(monkeypatch):
     monkeypatch.setattr(gemrender.beam, "damaged_cache_files", lambda: ["/somewhere/rays.nbi"])
-    check = diagnosis._check_exact()
+    check = found(monkeypatch)["exact engine"]
     assert check.ok
     assert check.detail.endswith(": 1 of its files damaged, the first one rays.nbi")
     assert "compiled again" in check.cure
 
 
 def test_the_doctor_tells_of_a_folder_that_cannot_be_written(monkeypatch):
-    monkeypatch.setattr(polygons.follow_polygons, "_cache", NullCache())
-    check = diagnosis._check_exact()
+    monkeypatch.setattr(polygons, "follow_polygons", numba.njit(lambda: None))  # a kernel that is not kept
+    check = found(monkeypatch)["exact engine"]
     assert check.ok
     assert "every run compiles again" in check.detail
     assert check.cure == "set NUMBA_CACHE_DIR to a folder that can be written"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.metadata
 import os
 import shutil
 import subprocess
@@ -14,18 +15,22 @@ from gemrender.errors import BackendError
 from gemrender.render import llvm
 
 #: As it is, before a test puts another in its place.
-system_folders = llvm._system_folders
+system_folders = llvm.system_folders
 
 
 @pytest.fixture(autouse=True)
 def _machine(monkeypatch, tmp_path):
     """A Linux machine on x86-64 that has no LLVM at all; the environment is restored afterwards."""
+
+    def no_wheel(name):
+        raise importlib.metadata.PackageNotFoundError(name)
+
     monkeypatch.setenv(llvm.LLVM_VARIABLE, "restored afterwards, whatever the test sets")
     monkeypatch.delenv(llvm.LLVM_VARIABLE)
     monkeypatch.setattr(llvm.platform, "system", lambda: "Linux")
     monkeypatch.setattr(llvm.platform, "machine", lambda: "x86_64")
-    monkeypatch.setattr(llvm, "_wheel_paths", lambda: iter(()))
-    monkeypatch.setattr(llvm, "_system_folders", lambda: iter([tmp_path]))
+    monkeypatch.setattr(llvm.importlib.metadata, "files", no_wheel)
+    monkeypatch.setattr(llvm, "system_folders", lambda: iter([tmp_path]))
     monkeypatch.setattr(llvm.ctypes.util, "find_library", lambda name: None)
 
 
@@ -38,6 +43,13 @@ def library(folder: Path, name: str, *links: str) -> Path:
         (folder / link).symlink_to(path.name)
         path = folder / link
     return path
+
+
+def asked(monkeypatch, status=0, out="", err=""):
+    """Let every library that is asked for its version, in another process, answer so."""
+    monkeypatch.setattr(
+        llvm.subprocess, "run", lambda command, **how: subprocess.CompletedProcess(command, status, out, err)
+    )
 
 
 def test_variable_wins_over_the_system(monkeypatch, tmp_path):
@@ -89,14 +101,14 @@ def test_old_version_is_refused_through_links(monkeypatch, tmp_path):
 
 
 def test_library_before_16_cannot_tell_its_version_and_is_refused(monkeypatch, tmp_path):
-    monkeypatch.setattr(llvm, "_asked_version", lambda path: 0)
+    asked(monkeypatch, out="0\n")
     monkeypatch.setenv("DRJIT_LIBLLVM_PATH", str(library(tmp_path, "libLLVM.so")))
     with pytest.raises(BackendError, match="an LLVM before 16"):
         llvm.find_llvm()
 
 
 def test_version_that_cannot_be_told_is_left_to_the_check_after_the_import(monkeypatch, tmp_path):
-    monkeypatch.setattr(llvm, "_asked_version", lambda path: None)
+    monkeypatch.setattr(sys, "executable", "")  # as of Python within another program: there is nobody to ask
     monkeypatch.setenv("DRJIT_LIBLLVM_PATH", str(library(tmp_path, "libLLVM.so")))
     assert llvm.find_llvm().version is None
 
@@ -104,29 +116,48 @@ def test_version_that_cannot_be_told_is_left_to_the_check_after_the_import(monke
 @pytest.mark.parametrize(
     ("name", "version"),
     [
-        ("libLLVM-15.so.1", 15),
-        ("libLLVM-14.0.6.so.1", 14),
-        ("libLLVM-3.9.so.1", 3),
+        ("libLLVM-18.so.1", 18),
+        ("libLLVM-17.0.6.so.1", 17),
         ("libLLVM.so.23.1", 23),
         ("libLLVM-19.so", 19),
         ("libLLVM-19.dylib", 19),
     ],
 )
-def test_version_is_read_from_the_name(tmp_path, name, version):
-    assert llvm._major_version(library(tmp_path, name)) == version
+def test_version_is_read_from_the_name(monkeypatch, tmp_path, name, version):
+    monkeypatch.setenv("DRJIT_LIBLLVM_PATH", str(library(tmp_path, name)))
+    assert llvm.find_llvm().version == version
 
 
-def test_version_is_read_from_the_folder_of_homebrew():
-    path = Path("/opt/homebrew/Cellar/llvm@20/20.1.8/lib/libLLVM.dylib")
-    assert llvm._major_version(path) == 20
+@pytest.mark.parametrize(
+    ("name", "version"), [("libLLVM-15.so.1", 15), ("libLLVM-14.0.6.so.1", 14), ("libLLVM-3.9.so.1", 3)]
+)
+def test_an_old_version_is_told_by_its_first_number(monkeypatch, tmp_path, name, version):
+    monkeypatch.setenv("DRJIT_LIBLLVM_PATH", str(library(tmp_path, name)))
+    with pytest.raises(BackendError, match=f"which is LLVM {version}: below 17"):
+        llvm.find_llvm()
 
 
-def test_library_tells_the_version_of_its_name(monkeypatch):
+def test_version_is_read_from_the_folder_of_homebrew(monkeypatch, tmp_path):
+    folder = tmp_path / "opt" / "homebrew" / "Cellar" / "llvm@20" / "20.1.8" / "lib"
+    folder.mkdir(parents=True)
+    monkeypatch.setenv("DRJIT_LIBLLVM_PATH", str(library(folder, "libLLVM.dylib")))
+    assert llvm.find_llvm().version == 20
+
+
+def test_library_tells_the_version_of_its_name(monkeypatch, tmp_path):
+    """Of the wheel's own library, under its name and under one that tells nothing."""
     monkeypatch.undo()
-    path = next(llvm._wheel_paths(), None)
-    if path is None:
+    monkeypatch.delenv("DRJIT_LIBLLVM_PATH", raising=False)
+    found = llvm.find_llvm()
+    if found.origin != "wheel":
         pytest.skip("karellen-llvm-core is not installed")
-    assert llvm._asked_version(str(path)) == llvm._major_version(path)
+    nameless = tmp_path / "lib" / "library"
+    nameless.parent.mkdir()
+    shutil.copy(found.path, nameless)  # a link would tell
+    for folder in filter(Path.is_dir, found.path.parent.iterdir()):  # where it looks for what it needs
+        (nameless.parent / folder.name).symlink_to(folder)
+    monkeypatch.setenv("DRJIT_LIBLLVM_PATH", str(nameless))
+    assert llvm.find_llvm().version == found.version
 
 
 def test_wheel_is_found_and_preferred(monkeypatch, tmp_path):
@@ -175,10 +206,7 @@ def test_prepare_names_the_library_to_drjit(tmp_path):
 
 
 def test_library_that_misses_another_is_told_with_the_package(monkeypatch):
-    def fail(path):
-        raise OSError("libz.so.1: cannot open shared object file: No such file or directory")
-
-    monkeypatch.setattr(llvm, "_asked_version", fail)
+    asked(monkeypatch, 1, err="libz.so.1: cannot open shared object file: No such file or directory\n")
     with pytest.raises(BackendError, match=r"cannot load LLVM .*; to cure it: apt-get install zlib1g$"):
         llvm.require_loadable(llvm.LlvmLibrary(path=Path("libLLVM.so"), origin="wheel", version=23))
 
@@ -216,7 +244,14 @@ def test_condas_folder_is_searched(monkeypatch, tmp_path, system, folder):
 @pytest.fixture
 def loadable(monkeypatch):
     """Every library can be loaded."""
-    monkeypatch.setattr(llvm, "_asked_version", lambda name: 23)
+    run = subprocess.run
+
+    def loaded(command, **how):
+        if command[0] != sys.executable:  # a shell
+            return run(command, **how)
+        return subprocess.CompletedProcess(command, 0, "23\n", "")
+
+    monkeypatch.setattr(llvm.subprocess, "run", loaded)
 
 
 def test_the_exported_line_names_the_library(loadable, tmp_path):
@@ -238,10 +273,6 @@ def test_the_exported_line_is_quoted_for_the_shell(loadable, monkeypatch, tmp_pa
 
 def test_no_line_is_exported_for_a_library_that_cannot_be_loaded(monkeypatch, tmp_path):
     library(tmp_path, "libLLVM.so.23.1")
-
-    def fail(name):
-        raise OSError("libz3.so.4: cannot open shared object file: No such file or directory")
-
-    monkeypatch.setattr(llvm, "_asked_version", fail)
+    asked(monkeypatch, 1, err="libz3.so.4: cannot open shared object file: No such file or directory\n")
     with pytest.raises(BackendError, match=r"cannot load LLVM .*; to cure it: install .* libz3\.so\.4$"):
         llvm.export_line()

@@ -156,7 +156,7 @@ def test_an_oblique_mesh_is_turned_up(pear):
     stone = stone_of_triangles(vertices @ turn.T, triangles)
     assert stone.facet_kinds[0] == "T"
     assert stone.facet_normals[0] == pytest.approx([0, 0, 1])
-    assert stone.facet_sides.count("girdle") == 16
+    assert stone.facet_sides.count("girdle") == pear.facet_sides.count("girdle") > 0
 
 
 def test_a_girdle_of_many_facets_stays_as_it_is():

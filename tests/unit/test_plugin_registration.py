@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import sys
+from pathlib import Path
 
 import drjit as dr
 import mitsuba as mi
@@ -11,7 +13,8 @@ from manuals import code_tab
 
 import gemrender.plugins
 
-NAMES = [f"gem_{module}" for module in gemrender.plugins._MODULES]
+#: As the package's own table has them.
+NAMES = re.findall(r"^``(gem_\w+)`` ", gemrender.plugins.__doc__, re.MULTILINE)
 
 SCENE = {
     "type": "scene",
@@ -90,14 +93,20 @@ def test05_register_defines_the_classes_anew_for_a_new_variant(variant_llvm_ad_m
         assert module("hemisphere").HemisphereEmitter is not before
 
 
+def test06_the_table_has_every_plugin():
+    sources = (path.read_text() for path in Path(gemrender.plugins.__file__).parent.glob("*.py"))
+    registered = {name for text in sources for name in re.findall(r'mi\.register_\w+\("(\w+)"', text)}
+    assert sorted(NAMES) == sorted(registered)
+
+
 @pytest.mark.parametrize("name", NAMES)
-def test06_module_registers_the_plugin_of_its_name(variant_llvm_ad_mono, name):
+def test07_module_registers_the_plugin_of_its_name(variant_llvm_ad_mono, name):
     plugin = mi.load_dict({"type": name})
     assert type(plugin).__module__ == f"gemrender.plugins.{name.removeprefix('gem_')}"
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test07_examples_of_the_manual_run_and_agree(variants_all, name):
+def test08_examples_of_the_manual_run_and_agree(variants_all, name):
     manual = type(mi.load_dict({"type": name})).__doc__
     from_dict = mi.load_dict({"type": "scene", "example": eval(f"{{{code_tab(manual, 'python')}}}")})
     from_xml = mi.load_string(f'<scene version="3.0.0">{code_tab(manual, "xml")}</scene>')

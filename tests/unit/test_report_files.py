@@ -157,8 +157,8 @@ def test_the_picture_is_of_a_size_to_look_at(resolution, side, monkeypatch):
 def test_a_small_map_is_enlarged_without_a_blur(monkeypatch):
     monkeypatch.setattr(figures, "MAP_PIXELS", (6, 12))
     picture = figures.map_picture(observation(resolution=2, primary_intensity=[[80, 10], [50, 20]]))
-    expected = np.kron([[0, 5], [2, 4]], np.ones((3, 3), dtype=int))
-    np.testing.assert_array_equal(picture, figures._palette()[expected])
+    expected = np.array([[rgb(75), rgb(0)], [rgb(45), rgb(15)]])
+    np.testing.assert_array_equal(picture, expected.repeat(3, axis=0).repeat(3, axis=1))
 
 
 def test_a_large_map_is_reduced_to_the_mean_colour(monkeypatch):
@@ -177,9 +177,9 @@ def test_the_png_shows_the_map_pixel_by_pixel(tmp_path):
     observed = observation(resolution=side, primary_intensity=(column * 7 + row * 13) % 100)
     figures.write_map_figure(observed, tmp_path / "map.png")
     page = np.rint(255 * imread(tmp_path / "map.png")[..., :3]).astype(int)
-    dpi = side / figures._MAP
-    left, bottom = round(figures._LEFT * dpi), round(figures._BOTTOM * dpi)
-    bottom = len(page) - bottom
+    # Where the map's scales are drawn around it
+    box = figures.map_figure(observed).axes[0].get_window_extent()
+    left, bottom = round(box.x0), len(page) - round(box.y0)
     np.testing.assert_array_equal(
         page[bottom - side : bottom, left : left + side], figures.map_picture(observed)
     )

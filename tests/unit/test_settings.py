@@ -5,14 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from any_stones import FOLDER
-from meshes import ball, box
+from meshes import ball, box, distances
 
 from gemrender.cuts import load_stone
 from gemrender.cuts.families import families
 from gemrender.errors import InputError
 from gemrender.scene.closed import closed_surface
 from gemrender.scene.cutting import inside_of, refuse_cutting
-from gemrender.scene.inside import _distance
 from gemrender.scene.placing import Placed
 from gemrender.scene.settings import make_setting
 from gemrender.scene.settings.heads import GAP
@@ -67,7 +66,7 @@ def test_settings_are_made_for_every_cut_and_cut_none(name):
             flat = triangles[:, :, :2]
             low, high = flat.min(axis=1), flat.max(axis=1)
             beside = ((low < contact + 2 * NEAR) & (high > contact - 2 * NEAR)).all(axis=1)
-            distance = _distance(made.positions[near], triangles[beside]).min()
+            distance = distances(made.positions[near], triangles[beside]).min()
             assert GAP - CHORDS <= distance <= CONTACT
 
 
@@ -84,7 +83,7 @@ def test_a_rim_follows_the_outline(name):
         [np.tile([*outline.middle, 0.0], (len(corners), 1)), corners, np.roll(corners, -1, axis=0)], 1
     )
     flat = made.positions[beside] * (1, 1, 0)
-    distance = _distance(flat, fan)
+    distance = distances(flat, fan)
     assert distance.min() >= GAP - ROUNDING
     assert np.median(distance) <= CONTACT
 

@@ -159,7 +159,7 @@ def test_the_gcs_design():
     np.testing.assert_allclose(angles, [-43.0, -90.0, 42.0, 0.0], atol=1e-9)
     assert design.tiers[0].indices == tuple(float(k or 96) for k in range(0, 96, 6))
     stone = design.stone()
-    assert len(stone.facets) == 49
+    assert len(stone.facets) == 3 * 16 + 1
     assert stone.rear_rule == "position"
     depth = float(np.ptp(stone.vertices[:, 2]))
     assert depth == pytest.approx((0.9145970702377691 + 0.6475238804989729) / 0.9807852804032304)

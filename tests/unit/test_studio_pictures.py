@@ -16,9 +16,8 @@ from refusals import refused
 from test_studio_session import read, told
 
 import gemrender
-from gemrender.studio import painter
 from gemrender.studio.frames import Wanted
-from gemrender.studio.painter import Job, _Orders
+from gemrender.studio.painter import Job, Orders, Stage, paint
 from gemrender.studio.pictures import Pictures
 
 #: Long enough for a machine that has much else to do [s].
@@ -95,7 +94,7 @@ def test_another_setting_is_another_picture(made, sent, echoed):
 
 def test_a_setting_that_the_set_up_has_no_place_for_is_refused():
     job = Job(1, gemrender.load_stone("inoue-3"), "hearts", setting="bezel")
-    refused(lambda: painter._paint(job, _Orders(), io.BytesIO()), "setting")
+    refused(lambda: paint(job, Orders(), io.BytesIO()), "setting")
 
 
 def test_while_something_moves_nothing_is_shown_and_afterwards_the_last_picture_is(made, sent, echoed):
@@ -127,19 +126,27 @@ def test_a_process_that_is_lost_is_told_in_a_line_and_the_next_scene_begins_anot
 
 
 def test_a_job_that_is_paused_waits_and_one_that_is_replaced_ends():
-    orders, (first, second) = _Orders(), (Job(1, None, "studio"), Job(2, None, "sun"))
-    orders._job = first
+    orders, (first, second) = Orders(), (Job(1, None, "studio"), Job(2, None, "sun"))
+    orders.take("paint", first)
     assert orders.next() is first
     assert orders.go_on(first)
-    orders._is_paused = True
+    orders.take("pause")
     answers = queue.Queue()
     threading.Thread(target=lambda: answers.put(orders.go_on(first)), daemon=True).start()
     with pytest.raises(queue.Empty):
         answers.get(timeout=SILENCE)
-    with orders._changed:
-        orders._job = second
-        orders._changed.notify_all()
+    orders.take("paint", second)
     assert answers.get(timeout=PATIENCE) is False
+    assert orders.next() is second
+
+
+def test_a_job_that_was_paused_goes_on():
+    orders, job = Orders(), Job(1, None, "studio")
+    orders.take("paint", job)
+    orders.take("pause")
+    orders.take("go")
+    assert orders.next() is job
+    assert orders.go_on(job)
 
 
 def test_the_real_process_ends_where_there_is_nobody_to_work_for():
@@ -156,12 +163,12 @@ def test_the_real_process_tells_what_cannot_be_rendered(made, sent):
     assert "\n" not in header["why"]
 
 
-def test_a_picture_is_coarse_first_and_then_refines_until_it_is_done(monkeypatch):
-    monkeypatch.setattr(painter, "_STAGES", (painter._Stage(8, 2), painter._Stage(16, 4)))
-    monkeypatch.setattr(painter, "_APART", float("inf"))  # each one's end only, however long it takes
-    orders, answers = _Orders(), io.BytesIO()
-    orders._job = job = Job(7, gemrender.load_stone("inoue-3"), "studio")
-    painter._paint(job, orders, answers)
+def test_a_picture_is_coarse_first_and_then_refines_until_it_is_done():
+    orders, answers = Orders(), io.BytesIO()
+    job = Job(7, gemrender.load_stone("inoue-3"), "studio")
+    orders.take("paint", job)
+    # Of each one its end only, however long it takes
+    paint(job, orders, answers, stages=(Stage(8, 2), Stage(16, 4)), apart=float("inf"))
     answers.seek(0)
     told = [pickle.load(answers) for _ in range(2)]
     assert [of["samples"] for of in told] == [2, 4]

@@ -12,7 +12,7 @@ from gemrender.cuts import load_stone
 from gemrender.errors import InputError
 from gemrender.report.symmetry import study_table, write_symmetry_figure
 from gemrender.sweep import SymmetryStudy, study_symmetry
-from gemrender.sweep.symmetry import _entry, draw_stone
+from gemrender.sweep.symmetry import draw_stone
 from gemrender.sweep.workers import LostProcessError
 from tests.observations import run_python
 
@@ -23,6 +23,13 @@ SMALL = {"draws": 5, "seed": 3, "engine": "reference", "resolution": 24, "proces
 TINY = {**SMALL, "resolution": 6}
 #: The published Rear of sample 2 [%], a stone as measured.
 PAPER_REAR = 18.2
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory):
+    """A study that takes no time, and its journal's text."""
+    journal = tmp_path_factory.mktemp("kept") / "study.jsonl"
+    return study_symmetry(STONE, **TINY, journal=journal), journal.read_text()
 
 
 def test_a_draw_depends_on_seed_and_number_alone():
@@ -57,25 +64,37 @@ def test_a_stopped_study_goes_on_to_the_same_end(tmp_path):
 
 @pytest.mark.parametrize(
     "line",
-    [[2, 47.0], [2, "47", 20], [2, 100.1, 20], [2, 47, -1], {}, [2.5, 1, 1], [True, 1, 1], [-2, 1, 1], 2],
-)
-def test_a_line_that_is_no_draws_is_none(line):
-    with pytest.raises((ValueError, TypeError)):
-        _entry(line)
-
-
-def test_whole_numbers_are_scores_too():
-    assert _entry([-1, 100, 0]) == (-1, (100.0, 0.0))
-
-
-def test_a_line_that_is_no_draws_is_drawn_again(tmp_path, caplog):
+    [
+        [2, 47.0], [2, "47", 20], [2, 100.1, 20], [2, 47, -1], {}, [2.5, 1, 1], [True, 1, 1], [-2, 1, 1], 2,
+        [2, float("nan"), 20.0],
+    ],
+)  # fmt: skip
+def test_a_line_that_is_no_draws_is_left_out(line, kept, tmp_path, caplog):
+    whole, text = kept
     journal = tmp_path / "study.jsonl"
-    whole = study_symmetry(STONE, **TINY, journal=journal)
-    head, *lines = journal.read_text().splitlines()
+    journal.write_text(f"{text}{json.dumps(line)}\n")
+    assert study_symmetry(STONE, **TINY, journal=journal) == whole
+    assert "a line that is no entry is left out" in caplog.text
+    assert journal.read_text() == text
+
+
+def test_what_stood_in_a_line_that_is_no_draws_is_drawn_again(kept, tmp_path, caplog):
+    whole, text = kept
+    journal = tmp_path / "study.jsonl"
+    head, *lines = text.splitlines()
     lines = ["[2, NaN, 20.0]" if json.loads(old)[0] == 2 else old for old in lines]
     journal.write_text("\n".join([head, *lines, ""]))
     assert study_symmetry(STONE, **TINY, journal=journal) == whole
     assert "a line that is no entry is left out" in caplog.text
+
+
+def test_whole_numbers_are_scores_too(kept, tmp_path, caplog):
+    _, text = kept
+    journal = tmp_path / "study.jsonl"
+    journal.write_text(f"{text}[2, 100, 0]\n")  # of two entries of a draw the later one counts
+    found = study_symmetry(STONE, **TINY, journal=journal)
+    assert (found.average[2], found.rear[2]) == (100.0, 0.0)
+    assert not caplog.text
 
 
 #: A study of which all processes, or those that share its work, are killed after some draws.

@@ -23,7 +23,7 @@ from gemrender.report.tilt_film import write_tilt_film
 from gemrender.stone.symmetry import NONE
 from gemrender.sweep import study_tilt
 from gemrender.sweep.poses import Pose, alike, tilt_poses
-from gemrender.sweep.tilt import _entry, tilt_measures
+from gemrender.sweep.tilt import tilt_measures
 from tests.any_stones import FOLDER
 from tests.observations import run_python
 
@@ -270,9 +270,14 @@ def test_the_journal_of_another_study_is_refused(tmp_path):
         5,
     ],
 )
-def test_a_line_that_is_no_poses_is_none(line):
-    with pytest.raises((ValueError, TypeError)):
-        _entry(tilt_measures("window"), NONE, line)
+def test_a_line_that_is_no_poses_is_left_out(line, tmp_path, caplog):
+    journal = tmp_path / "tilt.jsonl"
+    small = {"measures": "window", "to_deg": 2.0, "step_deg": 2.0, "journal": journal}
+    whole, text = study_tilt(EMERALD, **small), journal.read_text()
+    journal.write_text(f"{text}{json.dumps(line)}\n")
+    assert study_tilt(EMERALD, **small).to_dict() == whole.to_dict()
+    assert "a line that is no entry is left out" in caplog.text
+    assert journal.read_text() == text
 
 
 # ---- What is made of it --------------------------------------------------------------------------------

@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     import numpy as np
     from distributed import Client, LocalCluster
 
-__all__ = ["in_dask"]
+__all__ = ["ANSWER_S", "WORKERS_S", "in_dask"]
 
 #: How long a scheduler may take to answer, and how long it may have no worker [s].
-_ANSWER_S, _WORKERS_S = 10, 120
+ANSWER_S, WORKERS_S = 10, 120
 #: Of Dask, for clusters that are started here: workers are not looked at every 10 ms, and do not give back
 #: the memory of every stone, which the next one takes again [bytes].
 _SETTINGS = {
@@ -128,7 +128,7 @@ def _client(address: str) -> Iterator[Client]:
                 value=address,
             )
         try:
-            client = stack.enter_context(Client(address, timeout=_ANSWER_S, set_as_default=False))
+            client = stack.enter_context(Client(address, timeout=ANSWER_S, set_as_default=False))
         except (OSError, ValueError, TimeoutError) as error:
             raise InputError("no scheduler answers there", key="--dask", value=address) from error
         yield client
@@ -136,7 +136,7 @@ def _client(address: str) -> Iterator[Client]:
 
 def _wait_for_worker(client: Client, address: str) -> None:
     try:
-        client.wait_for_workers(1, timeout=_WORKERS_S)
+        client.wait_for_workers(1, timeout=WORKERS_S)
     except TimeoutError as error:
         raise InputError("the scheduler has no worker", key="--dask", value=address) from error
 

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     import zarr
 
 __all__ = [
+    "CHUNKS_AT_ONCE",
     "DONE",
     "FAILED",
     "NO_STONE",
@@ -49,7 +50,7 @@ _CONVENTIONS = "CF-1.11"
 _LEVEL = 5
 _RECORD = "plan"
 #: So many chunks are read at a time: zarr has something in memory for each of them.
-_READ = 4096
+CHUNKS_AT_ONCE = 4096
 
 
 def open_atlas(where: str) -> xarray.Dataset:
@@ -154,7 +155,7 @@ class AtlasStore:
         """Return what is known of every stone, of the plan's shape."""
         plan, array = self.plan, self._arrays["status"]
         out = np.empty(plan.shape, dtype=np.int8)
-        numbers = part_shape(plan.chunks_along, _READ)
+        numbers = part_shape(plan.chunks_along, CHUNKS_AT_ONCE)
         for first in itertools.product(*map(range, itertools.repeat(0), plan.chunks_along, numbers)):
             place = tuple(
                 slice(k * size, (k + number) * size)

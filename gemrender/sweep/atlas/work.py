@@ -17,11 +17,11 @@ from gemrender.sweep.atlas.parts import Measured, Part, Parts, chunk_arrays, chu
 from gemrender.sweep.atlas.plan import AtlasPlan
 from gemrender.sweep.workers import in_processes
 
-__all__ = ["check_workers", "chunks_measured", "workers_of"]
+__all__ = ["TRIAL_S", "WORTH_S", "check_workers", "chunks_measured", "workers_of"]
 
 #: So long threads of this process are at work before processes are started, and these only for so much
 #: work of theirs: to start them takes some seconds [s].
-_TRIAL_S, _WORTH_S = 2.0, 6.0
+TRIAL_S, WORTH_S = 2.0, 6.0
 
 
 def check_workers(threads: int | None, processes: int | None, dask: str | None) -> None:
@@ -113,8 +113,8 @@ def _on_this_machine(
             for measured in results:
                 yield measured
                 left -= parts.came(measured)
-                if may_change and time.monotonic() - started > _TRIAL_S:
-                    is_worth_it = is_worth_it or left > _WORTH_S * parts.rate
+                if may_change and time.monotonic() - started > TRIAL_S:
+                    is_worth_it = is_worth_it or left > WORTH_S * parts.rate
     with contextlib.closing(in_processes(partial(measure_part, plan), parts, count)) as found:
         for done in found:
             assert done is not None
