@@ -6,13 +6,15 @@ import json
 
 import numpy as np
 import pytest
+from physics_tolerances import THREE_SIGMA
 from typer.testing import CliRunner
 
 import gemrender
 from gemrender.cli.program import app
-from gemrender.cuts import load_stone
+from gemrender.cuts import RoundBrilliant, load_stone
 from gemrender.cuts.families import families
 from gemrender.errors import InputError
+from gemrender.stone import Stone
 from gemrender.sweep import study_symmetry
 from gemrender.sweep.tolerance import study_tolerance
 from gemrender.sweep.unknown import STEPS, Cutting, Measuring, Rounding, draw, figures_of
@@ -129,7 +131,17 @@ def test_the_command_tells_spread_and_bound(tmp_path):
     }
 
 
-def test_a_score_of_a_report_tells_what_its_rounding_does(tmp_path):
+#: Half of the steps that GIA rounds to (`gemrender.cuts.laboratory`), about a report's values.
+ROUNDED = {
+    "table": (57.0, 0.5), "crown_angle": (34.5, 0.25), "pavilion_angle": (40.8, 0.1),
+    "lower_half": (80.0, 2.5),
+}  # fmt: skip
+#: Error of an end of the central 95 % of 64 draws, in standard deviations of a normal distribution:
+#: sqrt(0.025 0.975 / 64) by the density there, 0.0584.
+END_OF_64 = 0.334
+
+
+def test_a_score_of_a_report_tells_what_its_rounding_does(tmp_path, rng):
     path = tmp_path / "r.toml"
     path.write_text(
         "[report]\ntable = 57\ncrown_angle = 34.5\npavilion_angle = 40.8\nlower_half = 80\n"
@@ -138,7 +150,13 @@ def test_a_score_of_a_report_tells_what_its_rounding_does(tmp_path):
     result = CliRunner().invoke(app, ["score", str(path), "--json"])
     (found,) = json.loads(result.stdout)
     rounding = found["rounding"]["average"]
-    # Within its rounding such a report is 56.5 to 59.4; the central 95 % of it are somewhat less.
-    assert 56.5 < rounding["low"] < 57.8
-    assert 58.8 < rounding["high"] < 59.6
+    drawn = []
+    for _ in range(64):
+        at = {key: value + half * rng.uniform(-1, 1) for key, (value, half) in ROUNDED.items()}
+        cut = RoundBrilliant.from_angles(star=50.0, girdle_thickness=3.0, **at)
+        drawn.append(gemrender.score(Stone.from_proportions(cut), bound=0.5).average)
+    low, high = np.percentile(drawn, [2.5, 97.5])
+    apart = THREE_SIGMA * np.sqrt(2) * END_OF_64 * np.std(drawn)
+    assert rounding["low"] == pytest.approx(low, abs=apart)
+    assert rounding["high"] == pytest.approx(high, abs=apart)
     assert rounding["low"] < found["average"] < rounding["high"]
