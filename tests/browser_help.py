@@ -13,7 +13,7 @@ from gemrender.observation import RayStatus
 
 #: What is drawn at its edge of the map's canvas around the stone (map.js, MAP_MARGIN).
 MAP_MARGIN = 0.03
-#: The insides of windows and phones [CSS px]: of a window no larger than the widest layout needs, as all is drawn.
+#: Insides of windows and phones [CSS px]: a window as the widest layout needs, no larger, as all is drawn.
 WINDOW, PHONE = {"width": 1100, "height": 800}, {"width": 390, "height": 844}
 #: Least contrast of text to its ground (WCAG 2, level AA).
 LEAST_CONTRAST = 4.5
@@ -65,8 +65,8 @@ class Opened:
     def canvas(self, kind: str, number: int = 0) -> Any:
         return self.page.locator(f".{kind} canvas").nth(number)
 
-    def place(self, x: float, y: float, *, number: int = 0, half_width: float = 1.0) -> tuple[float, float]:
-        """Where a point of the view is in the window."""
+    def place(self, x: Any, y: Any, *, number: int = 0, half_width: float = 1.0) -> tuple[Any, Any]:
+        """Where a point of the view is in the window; or many, as arrays."""
         box = self.canvas("map", number).bounding_box()
         scale = (1 - 2 * MAP_MARGIN) * box["width"] / 2 / half_width
         return box["x"] + box["width"] / 2 + scale * x, box["y"] + box["height"] / 2 - scale * y

@@ -6,7 +6,6 @@ import csv
 import io
 import re
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -37,8 +36,6 @@ ALIKE_SHARE = 0.9
 SAME_PERCENT = 1e-6
 #: Poses that are images of each other, seen by few rays [%].
 ROUNDING = 1e-9
-#: For so long the map of a tilted stone is waited for [s].
-PATIENCE = 60
 
 
 @pytest.fixture(scope="module")
@@ -84,7 +81,8 @@ def follow(seen: Opened, link: str) -> None:
 
 CELLS = """() => [
     JSON.parse(document.getElementById('data').textContent).table.columns.map((column) => column.key),
-    [...document.querySelectorAll('#scores tbody tr')].map((row) => [...row.children].map((cell) => cell.innerText)),
+    [...document.querySelectorAll('#scores tbody tr')].map((row) =>
+        [...row.children].map((cell) => cell.innerText)),
 ]"""
 
 
@@ -227,11 +225,11 @@ COLOURS = """(canvas, points) => {
 
 def colours(seen: Any, points: np.ndarray, half_width: float, number: int = 0) -> np.ndarray:
     """Colours of a map's canvas at points of the view (n, 2), (n, 4)."""
-    box = seen.canvas("map", number).bounding_box()
     seen.settle()
-    places = [seen.place(x, y, number=number, half_width=half_width) for x, y in points]
-    offsets = [(x - box["x"], y - box["y"]) for x, y in places]
-    return np.array(seen.canvas("map", number).evaluate(COLOURS, offsets))
+    box = seen.canvas("map", number).bounding_box()
+    x, y = seen.place(*np.transpose(points), number=number, half_width=half_width)
+    offsets = np.stack([x - box["x"], y - box["y"]], axis=1)
+    return np.array(seen.canvas("map", number).evaluate(COLOURS, offsets.tolist()))
 
 
 def rgb(colour: str) -> np.ndarray:
@@ -352,6 +350,13 @@ def test_what_was_chosen_is_in_the_link(seen, opened, page, studied):
     assert again.page.locator("#scores output").inner_text() == "0°"
 
 
+#: Wait until a map is traced but for its last and finest round.
+TRACED = """() => new Promise((done) => {
+    const look = () => (GemPage.cards[0].map.stride > 1 ? requestAnimationFrame(look) : done());
+    look();
+})"""
+
+
 def test_score_curve_map_and_ray_move_with_the_tilt(seen, studied):
     seen.click(0.1, 0.35, half_width=half_width(studied))
     seen.page.locator("#scores input").focus()
@@ -371,7 +376,7 @@ def test_score_curve_map_and_ray_move_with_the_tilt(seen, studied):
     path = full_paths(stone, [(float(told["x"]), float(told["y"]))], view=view, model=studied[0][0].model)[0]
     assert tuple(told["facets"]) == path.facet_names
     assert float(told["intensity"]) == pytest.approx(path.primary_intensity, abs=SAME_PERCENT)
-    # And so is the map, once it is traced.
+    # And so is the map, once it is traced: every second pixel, and the one it stands for.
     seen.page.mouse.move(0, 0)
     seen.canvas("map").evaluate("canvas => canvas.scrollIntoView()")
     tilted = observe(stone, view, studied[0][0].model)
@@ -385,12 +390,9 @@ def test_score_curve_map_and_ray_move_with_the_tilt(seen, studied):
     points = np.stack([x[columns], y[rows]], axis=1)
     palette = np.array([rgb(colour) for colour in (*BAND_COLOURS, REAR_COLOUR)])
     assert len(rows) > 50
-    end = time.monotonic() + PATIENCE
-    alike = 0.0
-    while alike <= ALIKE_SHARE and time.monotonic() < end:
-        seen.page.wait_for_timeout(100)
-        found = colours(seen, points, half_width(studied))[:, :3]
-        alike = (found == palette[kinds[rows, columns]]).all(axis=1).mean()
+    seen.page.evaluate(TRACED)
+    found = colours(seen, points, half_width(studied))[:, :3]
+    alike = (found == palette[kinds[rows, columns]]).all(axis=1).mean()
     assert alike > ALIKE_SHARE
     assert seen.page.locator("[data-virtual]").first.is_disabled()
     # A click on the curve goes to the nearest tilt.
