@@ -13,6 +13,8 @@ from gemrender.observation import RayStatus
 
 #: What is drawn at its edge of the map's canvas around the stone (map.js, MAP_MARGIN).
 MAP_MARGIN = 0.03
+#: Insides of windows and phones [CSS px]: a window as the widest layout needs, no larger, as all is drawn.
+WINDOW, PHONE = {"width": 1100, "height": 800}, {"width": 390, "height": 844}
 #: Least contrast of text to its ground (WCAG 2, level AA).
 LEAST_CONTRAST = 4.5
 
@@ -46,6 +48,11 @@ CONTRASTS = """() => {
         });
 }"""
 
+#: What was asked for is drawn in the next frame, or the one after where a stone comes into sight first.
+FRAMES = """() => new Promise((drawn) => {
+    requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(drawn)));
+})"""
+
 
 @dataclass
 class Opened:
@@ -58,8 +65,8 @@ class Opened:
     def canvas(self, kind: str, number: int = 0) -> Any:
         return self.page.locator(f".{kind} canvas").nth(number)
 
-    def place(self, x: float, y: float, *, number: int = 0, half_width: float = 1.0) -> tuple[float, float]:
-        """Where a point of the view is in the window."""
+    def place(self, x: Any, y: Any, *, number: int = 0, half_width: float = 1.0) -> tuple[Any, Any]:
+        """Where a point of the view is in the window; or many, as arrays."""
         box = self.canvas("map", number).bounding_box()
         scale = (1 - 2 * MAP_MARGIN) * box["width"] / 2 / half_width
         return box["x"] + box["width"] / 2 + scale * x, box["y"] + box["height"] / 2 - scale * y
@@ -67,6 +74,10 @@ class Opened:
     def click(self, x: float, y: float, **options: Any) -> None:
         self.canvas("map", options.get("number", 0)).scroll_into_view_if_needed()
         self.page.mouse.click(*self.place(x, y, **options))
+
+    def settle(self) -> None:
+        """Wait until what was asked for is drawn."""
+        self.page.evaluate(FRAMES)
 
     def ray(self, number: int = 0) -> dict[str, Any]:
         """What the page tells of a stone's ray, facets in the order from the eye."""
@@ -79,32 +90,41 @@ class Opened:
         return told
 
 
-def open_page(browser: Any, file: Path, link: str = "", *, phone: bool = False, dark: bool = False) -> Opened:
-    """Open a page in a window of its own, with a link's end such as "#x=0.1"."""
-    context = browser.new_context(
-        viewport={"width": 390, "height": 844} if phone else {"width": 1400, "height": 900},
-        has_touch=phone,
-        color_scheme="dark" if dark else "light",
-        accept_downloads=True,
-    )
-    page = context.new_page()
-    seen = Opened(page)
-    address = file.as_uri()
+@dataclass
+class Windows:
+    """What opens pages in a browser, in one context for windows and one for phones.
 
-    def on_request(route: Any) -> None:
-        seen.requests.append(route.request.url.partition("#")[0])
-        if seen.requests[-1] == address:
-            route.continue_()
-        else:
-            route.abort()
+    Pages of one context share a process, and starting one takes longer than loading a page.
+    """
 
-    context.route("**/*", on_request)
-    page.on("console", lambda message: message.type == "error" and seen.errors.append(message.text))
-    page.on("pageerror", lambda error: seen.errors.append(str(error)))
-    page.on("dialog", lambda dialog: (seen.errors.append("dialog"), dialog.dismiss()))
-    page.goto(address + link)
-    page.wait_for_selector("html[data-ready]", timeout=20_000)
-    return seen
+    browser: Any
+    contexts: dict[bool, Any] = field(default_factory=dict)
+
+    def open(self, file: Path, link: str = "", *, phone: bool = False, dark: bool = False) -> Opened:
+        """Open a page in a window of its own, with a link's end such as "#x=0.1"."""
+        if phone not in self.contexts:
+            self.contexts[phone] = self.browser.new_context(
+                viewport=PHONE if phone else WINDOW, has_touch=phone, accept_downloads=True
+            )
+        page = self.contexts[phone].new_page()
+        page.emulate_media(color_scheme="dark" if dark else "light")
+        seen = Opened(page)
+        address = file.as_uri()
+
+        def on_request(route: Any) -> None:
+            seen.requests.append(route.request.url.partition("#")[0])
+            if seen.requests[-1] == address:
+                route.continue_()
+            else:
+                route.abort()
+
+        page.route("**/*", on_request)
+        page.on("console", lambda message: message.type == "error" and seen.errors.append(message.text))
+        page.on("pageerror", lambda error: seen.errors.append(str(error)))
+        page.on("dialog", lambda dialog: (seen.errors.append("dialog"), dialog.dismiss()))
+        page.goto(address + link)
+        page.wait_for_selector("html[data-ready]", timeout=20_000)
+        return seen
 
 
 def page_data(page: str) -> dict[str, Any]:

@@ -62,7 +62,11 @@ def panel(observation: Observation, result: Score | None = None) -> Panel:
     step = max(1, len(picture) // PANEL_PIXELS)
     side = len(picture) // step
     blocks = picture[: side * step, : side * step].reshape(side, step, side, step, 3)
-    return result or score_observation(observation), blocks.mean(axis=(1, 3)).astype(np.uint8)
+    # The mean, by adding whole pictures: over axes as short as these numpy's takes eight times as long.
+    added = np.zeros((side, side, 3), dtype=np.uint32)
+    for i, j in np.ndindex(step, step):
+        added += blocks[:, i, :, j]
+    return result or score_observation(observation), (added // step**2).astype(np.uint8)
 
 
 def format_scores(scores: Sequence[Score], form: str) -> str:

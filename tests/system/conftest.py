@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from browser_help import CHROMIUM, FLAGS, Opened, open_page
+from browser_help import CHROMIUM, FLAGS, Opened, Windows
 
 from gemrender.render import frames, lanes, passes
 
@@ -57,25 +57,26 @@ def turns(monkeypatch):
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
+def windows() -> Iterator[Windows]:
+    """A browser, and what opens pages in it; all are closed at the end."""
     playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
     if CHROMIUM is None:
         pytest.skip("no Chromium here")
     with playwright.sync_playwright() as driver:
         started = driver.chromium.launch(executable_path=CHROMIUM, headless=True, args=FLAGS)
-        yield started
+        yield Windows(started)
         started.close()
 
 
 @pytest.fixture
-def opened(browser) -> Iterator[Any]:
-    """What opens a page (`browser_help.open_page`); all are closed at the end."""
+def opened(windows) -> Iterator[Any]:
+    """What opens a page for one test."""
     pages = []
 
     def open_one(*arguments: Any, **options: Any) -> Opened:
-        pages.append(open_page(browser, *arguments, **options))
+        pages.append(windows.open(*arguments, **options))
         return pages[-1]
 
     yield open_one
     for seen in pages:
-        seen.page.context.close()
+        seen.page.close()

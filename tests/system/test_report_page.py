@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import re
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -14,14 +14,13 @@ import numpy as np
 import pytest
 import typer
 from any_stones import design, hollow_stone
-from browser_help import CONTRASTS, LEAST_CONTRAST, Opened, open_page, page_data
+from browser_help import CONTRASTS, LEAST_CONTRAST, Opened, page_data
 from observations import observation as made_observation
 from thorough import chosen
 from typer.testing import CliRunner
 
 from gemrender.cli.report import report
 from gemrender.cuts import load_stone, stone_from_vertices
-from gemrender.engines import observe as observe_by
 from gemrender.errors import InputError
 from gemrender.observation import PATH_CODE_FACTOR, PATH_CODE_MASK, Observation, RayStatus, View
 from gemrender.reference import full_paths, observe
@@ -81,18 +80,14 @@ def pages(observed, tmp_path_factory) -> dict[str, Path]:
 
 
 @pytest.fixture(scope="module")
-def shared(browser, pages) -> Iterator[Callable[[str], Opened]]:
+def shared(windows, pages) -> Callable[..., Opened]:
     """What opens a page once, for all tests that need no more of it than that the ray can be put anywhere."""
 
     @cache
     def open_once(name: str) -> Opened:
-        opened.append(open_page(browser, pages[name]))
-        return opened[-1]
+        return windows.open(pages[name])
 
-    opened: list[Opened] = []
-    yield open_once
-    for seen in opened:
-        seen.page.context.close()
+    return open_once
 
 
 def expected_path(seen: dict[str, Any], observation: Observation) -> RayPath:
@@ -154,7 +149,7 @@ def test02_the_stone_is_drawn(opened, pages):
     def pixels(key: str = "") -> dict[str, float]:
         if key:
             seen.page.keyboard.press(key)
-        seen.page.wait_for_timeout(100)
+        seen.settle()
         return seen.canvas("stage").evaluate(PIXELS)
 
     drawn = pixels()
@@ -298,8 +293,8 @@ def test07_hover_tells_facet_and_intensity(shared, observed):
             )
 
 
-# The last shows the two before it.
-@pytest.mark.parametrize("name", chosen(["one", "two", "emerald", "pear", "cuts"], ["one", "two", "cuts"]))
+# The last shows those between.
+@pytest.mark.parametrize("name", chosen(["one", "two", "emerald", "pear", "cuts"], ["one", "cuts"]))
 def test08_a_phone_scrolls_one_way_only(opened, pages, observed, name):
     seen = opened(pages[name], phone=True)
     assert seen.page.evaluate("document.documentElement.scrollWidth") <= 390
@@ -319,10 +314,14 @@ def test08_a_phone_scrolls_one_way_only(opened, pages, observed, name):
     assert min(small) >= 24
 
 
-def test09_light_and_dark_are_legible(opened, pages):
+@pytest.fixture(scope="module")
+def dark(windows, pages) -> Opened:
+    return windows.open(pages["two"], dark=True)
+
+
+def test09_light_and_dark_are_legible(shared, dark):
     grounds = []
-    for dark in (False, True):
-        seen = opened(pages["two"], dark=dark)
+    for seen in (shared("two"), dark):
         for _ in range(2):  # as the system says, and toggled
             contrasts = seen.page.evaluate(CONTRASTS)
             assert len(contrasts) > 100
@@ -333,12 +332,12 @@ def test09_light_and_dark_are_legible(opened, pages):
     assert grounds[0] == grounds[3] != grounds[1] == grounds[2]
 
 
-def test10_prints(opened, pages):
-    seen = opened(pages["two"], dark=True)
-    seen.page.emulate_media(media="print")
-    assert seen.page.locator("#print").is_hidden()
-    assert seen.page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
-    printed = seen.page.pdf(prefer_css_page_size=True, print_background=True)
+def test10_prints(dark):
+    dark.page.emulate_media(media="print")
+    assert dark.page.locator("#print").is_hidden()
+    assert dark.page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
+    printed = dark.page.pdf(prefer_css_page_size=True, print_background=True)
+    dark.page.emulate_media(media="null")
     assert printed.startswith(b"%PDF")
     assert 20_000 < len(printed) < MOST_BYTES
     assert len(re.findall(rb"/Type\s*/Page\b", printed)) == 2
@@ -469,33 +468,3 @@ def test17_the_command(tmp_path):
     told = page_data(out.read_text(encoding="utf-8"))
     assert [stone["name"] for stone in told["stones"]] == ["Inoue sample 3", "Inoue sample 1"]
     assert isinstance(CliRunner().invoke(app, ["inoue-3"] * 500).exception, InputError)
-
-
-@pytest.fixture(scope="module")
-def exact() -> Observation:
-    return observe_by(load_stone("inoue-3"), engine="exact", resolution=RESOLUTION)
-
-
-def test17_virtual_facets_are_outlined_where_the_engine_knows_them(exact, observed):
-    known, unknown = page_data(report_html([exact, observed["inoue-1"]]))["stones"]
-    assert unknown["virtualFacets"] is None
-    assert known["virtualFacets"]["number"] == exact.measured.sizes.size == 552
-    areas = []
-    for outline in known["virtualFacets"]["outlines"]:
-        x, y = np.reshape(outline, (-1, 2)).T
-        areas.append(0.5 * (x @ np.roll(y, -1) - y @ np.roll(x, -1)))
-    # Corners have four digits, and a few thousand of them move areas by their edges' lengths.
-    assert sum(areas) == pytest.approx(np.pi, abs=1e-3)
-
-
-def test18_a_button_shows_the_virtual_facets(opened, exact, tmp_path):
-    seen = opened(write_report([exact], tmp_path / "exact.html"))
-    canvas, button = seen.canvas("map"), seen.page.locator("[data-virtual]")
-    assert button.inner_text() == "552 virtual facets"
-    canvas.evaluate(PIXELS)
-    button.click()
-    seen.page.wait_for_timeout(200)
-    changed = canvas.evaluate(PIXELS)["changed"]
-    assert changed > 2000
-    assert button.get_attribute("aria-pressed") == "true"
-    assert seen.errors == []

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import shutil
 import subprocess
+from collections.abc import Callable, Iterator
+from functools import partial
 from importlib import resources
 
 import numpy as np
@@ -34,13 +36,15 @@ NODE = shutil.which("node")
 
 SCRIPT = """
 const tracer = require(process.argv[1]);
-const { optics, solid, model, view, points } = JSON.parse(require('node:fs').readFileSync(0, 'utf8'));
-const surfaces = tracer.surfacesOf(solid);
-const paths = points.map(([x, y]) => {
-    const path = tracer.trace(surfaces, optics, view, model, x, y);
-    return { ...path, incidence: path.points.map((_, i) => tracer.anglesAt(path, i)[0]) };
+require('node:readline').createInterface({ input: process.stdin }).on('line', (line) => {
+    const { optics, solid, model, view, points } = JSON.parse(line);
+    const surfaces = tracer.surfacesOf(solid);
+    const paths = points.map(([x, y]) => {
+        const path = tracer.trace(surfaces, optics, view, model, x, y);
+        return { ...path, incidence: path.points.map((_, i) => tracer.anglesAt(path, i)[0]) };
+    });
+    process.stdout.write(JSON.stringify(paths) + '\\n');
 });
-process.stdout.write(JSON.stringify(paths));
 """
 
 
@@ -72,24 +76,41 @@ STONES = {
 }
 
 
-def by_javascript(stone: Stone, points: np.ndarray, view: View, model: Model) -> list[dict]:
-    request = {
-        "optics": optics(),
-        "solid": traced_solid(stone),
-        **traced_as(model, view),
-        "points": points.tolist(),
-    }
-    with resources.as_file(resources.files("gemrender.report").joinpath("assets/tracer.js")) as file:
-        done = subprocess.run(
-            [NODE, "-e", SCRIPT, str(file)],
-            input=json.dumps(request),
-            capture_output=True,
-            text=True,
-            timeout=120,
-            check=False,
-        )
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)
+Trace = Callable[[Stone, np.ndarray, View, Model], list[dict]]
+
+
+@pytest.fixture(scope="module")
+def by_javascript() -> Iterator[Trace]:
+    """What traces rays in node, in one process: starting one takes longer than most tests."""
+    if NODE is None:
+        pytest.skip("no node here; test_report_page.py traces in Chromium")
+    asset = resources.files("gemrender.report").joinpath("assets/tracer.js")
+    with (
+        resources.as_file(asset) as file,
+        subprocess.Popen(
+            [NODE, "-e", SCRIPT, str(file)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        ) as node,
+    ):
+
+        def trace(stone: Stone, points: np.ndarray, view: View, model: Model) -> list[dict]:
+            request = {
+                "optics": optics(),
+                "solid": traced_solid(stone),
+                **traced_as(model, view),
+                "points": points.tolist(),
+            }
+            print(json.dumps(request), file=node.stdin, flush=True)
+            answer = node.stdout.readline()
+            assert answer, "node has ended"
+            return json.loads(answer)
+
+        yield trace
+
+
+@pytest.fixture
+def compare(by_javascript: Trace) -> Callable[..., None]:
+    """What compares both tracers' paths of rays all over a stone."""
+    return partial(compare_by, by_javascript)
 
 
 def assert_same(ours: dict, theirs: RayPath) -> None:
@@ -104,9 +125,14 @@ def assert_same(ours: dict, theirs: RayPath) -> None:
     np.testing.assert_allclose(ours["incidence"], theirs.incidence_deg, rtol=0, atol=1e-4)
 
 
-def compare(stone: Stone, *, view: View | None = None, model: Model | None = None, rays: int = RAYS) -> None:
-    if NODE is None:
-        pytest.skip("no node here; test_report_page.py traces in Chromium")
+def compare_by(
+    by_javascript: Trace,
+    stone: Stone,
+    *,
+    view: View | None = None,
+    model: Model | None = None,
+    rays: int = RAYS,
+) -> None:
     rng = np.random.default_rng(12345)
     view, model = view or View(resolution=1), model or Model.of(stone)
     radius, azimuth = 0.999 * np.sqrt(rng.uniform(0, 1, rays)), rng.uniform(0, 2 * np.pi, rays)
@@ -131,7 +157,7 @@ OF_KINDS = ["sample 2", "measured", "pear", "hollow", "hollow emerald"]
 
 
 @pytest.mark.parametrize("name", chosen(STONES, OF_KINDS))
-def test01_same_path_and_intensity(name):
+def test01_same_path_and_intensity(compare, name):
     compare(STONES[name]())
 
 
@@ -146,19 +172,17 @@ def test01_same_path_and_intensity(name):
     ],
     ids=str,
 )
-def test02_same_for_every_model(options):
+def test02_same_for_every_model(compare, options):
     compare(load_stone("inoue-1"), model=Model(**options), rays=RAYS // 4)
 
 
-def test03_same_for_a_tilted_eye():
+def test03_same_for_a_tilted_eye(compare):
     for stone in (load_stone("inoue-3"), measured(0.002, 1), design("pear")):
         compare(stone, view=View(resolution=1, tilt_deg=25, tilt_azimuth_deg=40), rays=RAYS // 2)
 
 
-def test04_edges_lose_no_ray():
+def test04_edges_lose_no_ray(by_javascript):
     """Rays along symmetry planes and through vertices: nothing is lost, whichever facet they take."""
-    if NODE is None:
-        pytest.skip("no node here")
     stone = load_stone("inoue-3")
     points = np.concatenate(
         [stone.vertices[:, :2] * 0.999999999, np.linspace(-0.99, 0.99, 101)[:, None] * [1, 0]]
@@ -169,13 +193,13 @@ def test04_edges_lose_no_ray():
 
 
 @pytest.mark.parametrize("index", INDICES)
-def test05_same_side_of_the_critical_angle(index):
+def test05_same_side_of_the_critical_angle(compare, index):
     """Rationale: rays meet the mains of these stones a few roundings to either side of it."""
     model = Model(index=index, fresnel="exact", max_reflections=FEW_REFLECTIONS)
     compare(at_critical_angle(index), model=model, rays=RAYS // 10)
 
 
 @pytest.mark.parametrize("rear", REAR_RULES)
-def test06_same_rear_light_by_every_rule(rear):
+def test06_same_rear_light_by_every_rule(compare, rear):
     """Of a stone whose girdle's lower edge is not level, and that they tell apart."""
     compare(design("slab-chiral"), model=Model.of(design("slab-chiral"), rear=rear), rays=RAYS // 4)

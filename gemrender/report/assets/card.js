@@ -7,7 +7,7 @@ const GemCard = (() => {
     const { number, find, boundText, element, inNextFrame } = GemDom;
     const { data, choices, values, cards, traceOn, press, lights } = GemPage;
     const { codes } = data;
-    const { REAR, UNSOLVED, kindOf, kindColour, kinds, pathColour } = GemLight;
+    const { REAR, UNSOLVED, kindOf, kindColour, kinds, pathColour, isFitted } = GemLight;
     const { sentence, product, difference, pathRows } = GemRay;
     const { ScoredMap, TracedMap, geometryOf } = GemStone;
     const { Stage } = GemStage;
@@ -26,14 +26,14 @@ const GemCard = (() => {
             this.geometry = geometryOf(stone);
             this.path = null;
             this.pixel = null;
-            this.isInSight = true;
-            this.drawSoon = inNextFrame(() => this.draw());
+            this.isInSight = this.isMapStale = this.isStageStale = false;
+            this.drawSoon = inNextFrame(() => this.drawStale());
             const made = document.getElementById('stone').content.cloneNode(true);
             this.root = find(made, 'article');
         }
 
-        async build(parent) {
-            await this.map.load();
+        /** Make it part of the page; what is returned waits until it is known whether it is in sight. */
+        build(parent) {
             const { root, stone } = this;
             root.setAttribute('aria-label', stone.name);
             find(root, '.name').textContent = stone.name;
@@ -43,12 +43,18 @@ const GemCard = (() => {
             this.mapView = new MapView(find(root, '.map'), this);
             this.fillScores();
             this.fillAlike();
-            new ResizeObserver(() => this.redraw()).observe(root);
-            new IntersectionObserver(([entry]) => {
-                this.isInSight = entry.isIntersecting;
-                if (this.isInSight && this.isStale) this.redraw();
-                traceOn();
-            }, { rootMargin: '50%' }).observe(root);
+            // It changes its height with every path's table, its drawings with their width alone.
+            new ResizeObserver(() => {
+                if (![this.stage, this.mapView].every(({ canvas }) => isFitted(canvas))) this.redraw();
+            }).observe(root);
+            return new Promise((resolve) => {
+                new IntersectionObserver((entries) => {
+                    this.isInSight = entries.at(-1).isIntersecting;
+                    if (this.isInSight) this.drawSoon();
+                    traceOn();
+                    resolve();
+                }, { rootMargin: '50%' }).observe(root);
+            });
         }
 
         fillScores() {
@@ -180,15 +186,31 @@ const GemCard = (() => {
                 row.classList.toggle('here', Number(row.dataset.kind) === kinds[code]);
         }
 
+        /** Draw both in the next frame of the screen, or once they are in sight. */
         redraw() {
-            this.isStale = true;
+            this.redrawMap();
+            this.redrawStage();
+        }
+
+        redrawMap() {
+            this.isMapStale = true;
             if (this.isInSight) this.drawSoon();
         }
 
+        redrawStage() {
+            this.isStageStale = true;
+            if (this.isInSight) this.drawSoon();
+        }
+
+        drawStale() {
+            if (this.isMapStale) this.mapView?.draw();
+            if (this.isStageStale) this.stage?.draw();
+            this.isMapStale = this.isStageStale = false;
+        }
+
         draw() {
-            this.isStale = false;
-            this.mapView?.draw();
-            this.stage?.draw();
+            this.isMapStale = this.isStageStale = true;
+            this.drawStale();
         }
     }
 

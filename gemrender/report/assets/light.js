@@ -86,11 +86,19 @@ const GemLight = (() => {
         });
     }
 
-    /** Fit a canvas to its place in the page; returns its context, scaled to CSS pixels, and its width. */
-    function fitted(canvas) {
+    /** The width of a canvas' place in the page [CSS px], and what it should have there [pixels]. */
+    function placeOf(canvas) {
         const ratio = Math.max(window.devicePixelRatio || 1, LEAST_PIXEL_RATIO);
         const width = canvas.clientWidth || canvas.width / ratio;
-        const pixels = Math.max(Math.round(width * ratio), 1);
+        return { width, pixels: Math.max(Math.round(width * ratio), 1) };
+    }
+
+    /** Whether a canvas has been drawn for the place that it has in the page. */
+    const isFitted = (canvas) => canvas.width === placeOf(canvas).pixels;
+
+    /** Fit a canvas to its place in the page; returns its context, scaled to CSS pixels, and its width. */
+    function fitted(canvas) {
+        const { width, pixels } = placeOf(canvas);
         if (canvas.width !== pixels) canvas.width = canvas.height = pixels;
         const context = canvas.getContext('2d');
         context.setTransform(pixels / width, 0, 0, pixels / width, 0, 0);
@@ -119,6 +127,6 @@ const GemLight = (() => {
 
     return Object.freeze({
         REAR, UNSOLVED, OUTSIDE, MOST_NUMBERED, kindOf, kindColour, kinds, painted, codeOf, pathColour, rayColour,
-        rayWidth, lightLines, stationNames, fitted, drawArrows,
+        rayWidth, lightLines, stationNames, isFitted, fitted, drawArrows,
     });
 })();

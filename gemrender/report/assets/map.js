@@ -4,7 +4,7 @@
 
 const GemMap = (() => {
     const { STATUS, dot } = GemTracer;
-    const { number, find, inNextFrame, tip } = GemDom;
+    const { number, find, tip } = GemDom;
     const { data, choose, lights } = GemPage;
     const { codes } = data;
     const { OUTSIDE, MOST_NUMBERED, kinds, rayColour, rayWidth, lightLines, fitted, drawArrows } = GemLight;
@@ -27,11 +27,11 @@ const GemMap = (() => {
                 `Intensity map of ${card.stone.name}, seen from above. Arrow keys move the point whose ray is shown.`,
             );
             this.withLines = this.withVirtual = false;
+            this.drawnAt = -Infinity;
             // One scale for all tilts.
             const scored = (card.map.size * card.map.pitch) / 2;
             this.halfWidth = Math.max(scored, data.table.halfWidths[card.place]);
             this.litFacets = [];
-            this.redraw = inNextFrame(() => this.draw());
             this.listen();
         }
 
@@ -46,6 +46,7 @@ const GemMap = (() => {
         }
 
         draw() {
+            this.drawnAt = performance.now();
             const { context, width } = fitted(this.canvas);
             const { toCanvas, pixels } = this.scale(width);
             const { map, stone, path, view } = this.card;
@@ -132,7 +133,7 @@ const GemMap = (() => {
             const isSame = facets.length === this.litFacets.length && facets.every((f, i) => f === this.litFacets[i]);
             if (isSame) return;
             this.litFacets = facets;
-            this.redraw();
+            this.card.redrawMap();
         }
 
         /** The number of the virtual facet at a point of the view; -1 for none. */
@@ -197,7 +198,7 @@ const GemMap = (() => {
                 button.addEventListener('click', () => {
                     this[property] = !this[property];
                     button.setAttribute('aria-pressed', String(this[property]));
-                    this.card.redraw();
+                    this.card.redrawMap();
                 });
             }
         }

@@ -198,10 +198,12 @@
         fillTables();
         fillTop();
         const parent = document.getElementById('stones');
-        for (const card of cards) await card.build(parent);
+        await Promise.all(cards.map((card) => card.map.load()));
+        const seen = cards.map((card) => card.build(parent));
         choices.hear.push(showChosen);
         followLink();
         window.addEventListener('hashchange', followLink);
+        await Promise.all(seen);
         requestAnimationFrame(() => requestAnimationFrame(() => {
             document.documentElement.dataset.ready = 'true';
         }));

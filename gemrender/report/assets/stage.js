@@ -60,7 +60,9 @@ const GemStage = (() => {
                 shared = new THREE.WebGLRenderer({ antialias: true, alpha: true });
                 shared.autoClear = false;
                 shared.setPixelRatio(1);
-                shared.domElement.addEventListener('webglcontextrestored', () => cards.forEach((card) => card.redraw()));
+                shared.setClearColor(0x000000, 0); // which it else does only as it draws, after the first clearing
+                shared.setSize(1, 1, false);
+                shared.domElement.addEventListener('webglcontextrestored', () => cards.forEach((card) => card.redrawStage()));
             } catch {
                 shared = null;
             }
@@ -93,7 +95,7 @@ const GemStage = (() => {
             find(root, '.failure').hidden = renderer() !== null;
             this.build();
             this.fill();
-            this.show('tilted');
+            Object.assign(this, VIEWS.tilted, { zoom: 1 });
             this.listen(root);
         }
 
@@ -177,18 +179,18 @@ const GemStage = (() => {
 
         show(name) {
             Object.assign(this, VIEWS[name], { zoom: 1 });
-            this.card.redraw();
+            this.card.redrawStage();
         }
 
         turn(azimuth, elevation) {
             this.azimuth += azimuth;
             this.elevation = Math.min(Math.max(this.elevation + elevation, -90), 90);
-            this.card.redraw();
+            this.card.redrawStage();
         }
 
         zoomBy(factor) {
             this.zoom = Math.min(Math.max(this.zoom * factor, ZOOMS[0]), ZOOMS[1]);
-            this.card.redraw();
+            this.card.redrawStage();
         }
 
         /** The view's right, its up and the direction to the eye. */
@@ -228,7 +230,7 @@ const GemStage = (() => {
                     lines.material.linewidth = (lines.userData.width * pixels) / width;
                     lines.material.resolution.set(pixels, pixels);
                 }
-                renderer().setSize(pixels, pixels, false);
+                if (renderer().domElement.width !== pixels) renderer().setSize(pixels, pixels, false);
                 renderer().clear();
                 renderer().render(this.scene, this.camera);
                 context.drawImage(renderer().domElement, 0, 0, width, width);

@@ -13,6 +13,8 @@ const GemPage = (() => {
 
     /** Time in each frame for tracing the maps of tilted views [ms]. */
     const TRACING_TIME = 12;
+    /** Such a map is drawn as it gets finer, and at least so often [ms]: drawing takes as long as tracing. */
+    const DRAWN_EVERY = 100;
 
     /** Trace on at the maps of tilted views that are in sight, the coarsest first, frame by frame. */
     let isTracing = false;
@@ -24,8 +26,10 @@ const GemPage = (() => {
             isTracing = waiting.length > 0;
             if (!isTracing) return;
             const card = waiting.reduce((a, b) => (b.map.stride > a.map.stride ? b : a));
-            card.map.trace(performance.now() + TRACING_TIME);
-            card.mapView.draw();
+            const now = performance.now();
+            const { stride } = card.map;
+            card.map.trace(now + TRACING_TIME);
+            if (card.map.stride < stride || now - card.mapView.drawnAt > DRAWN_EVERY) card.mapView.draw();
             requestAnimationFrame(step);
         });
     }
@@ -47,12 +51,12 @@ const GemPage = (() => {
         point(kind) {
             if (kind === this.pointed) return;
             this.pointed = kind;
-            cards.forEach((card) => card.mapView.redraw());
+            cards.forEach((card) => card.redrawMap());
         },
         hold(kind) {
             this.held = this.held === kind ? null : kind;
             this.show();
-            cards.forEach((card) => card.mapView.redraw());
+            cards.forEach((card) => card.redrawMap());
         },
         show() {
             for (const row of document.querySelectorAll('[data-kind]'))

@@ -11,7 +11,7 @@ const [SOON, AT_REST, LONG] = [30, 300, 12];
 export class Solid {
     constructor(stageRoot, rayRoot, map) {
         Object.assign(this, { stageRoot, rayRoot, map });
-        this.redraw = inNextFrame(() => this.draw());
+        this.redrawStage = inNextFrame(() => this.draw());
         this.path = null;
         this.point = null;
         this.stage = null;
@@ -46,7 +46,7 @@ export class Solid {
         else this.stage = new Stage(this.stageRoot, this);
         if (this.path) this.stage.setPath(this.path);
         this.fillRay();
-        this.redraw();
+        this.redrawStage();
         if (this.map.withLines) this.map.redraw();
         this.shown();
     }
@@ -66,7 +66,7 @@ export class Solid {
         this.trace();
         this.stage?.setPath(this.path);
         this.fillRay();
-        this.redraw();
+        this.redrawStage();
         this.map.redraw();
         announce(`${number(this.path.intensity, 1)} %. ${Ray.sentence(this.path, this.stone.facetNames)}`);
     }
