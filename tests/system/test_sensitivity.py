@@ -18,6 +18,7 @@ from gemrender.beam.by_tiers import design_unit, parameters_of_stone
 from gemrender.beam.compiled import STEP
 from gemrender.beam.sensitivity import PROPORTIONS, facet_totals, proportion_planes, sensitivity
 from gemrender.cuts import RoundBrilliant, load_stone
+from gemrender.cuts.families import families
 from gemrender.cuts.meets import changeable
 from gemrender.cuts.random import random_brilliant
 from gemrender.cuts.turning import parameter_name
@@ -26,6 +27,7 @@ from gemrender.observation import Model, View
 from gemrender.stone import Stone
 
 MODEL = Model(fresnel="exact")
+DESIGNS = Path(__file__).parents[1] / "cases" / "stones"
 
 
 def moved(proportions, parameter, by):
@@ -123,6 +125,40 @@ def test05_the_stated_bound_covers_more_rays():
         assert abs(a.rear - b.rear) <= a.rear_bound + b.rear_bound
 
 
+#: Of a round brilliant, of a family, and of a design, and what they are differentiated by.
+CHOSEN = [
+    (
+        load_stone("inoue-3"),
+        ["crown_angle", ("table", "angles")],
+        [("table", "angles"), ("crown_angle", "angles")],
+    ),
+    (
+        families()["emerald"]().stone(material="quartz"),
+        [("table", "proportions"), "pavilion_depth"],
+        [("table", "proportions"), ("pavilion_depth", "proportions")],
+    ),
+    (load_stone(DESIGNS / "square-barion.asc"), ["P2 angle"], [("P2 angle", "tiers")]),
+]
+
+
+@pytest.mark.parametrize(("stone", "chosen", "expected"), CHOSEN, ids=["round", "family", "design"])
+def test_by_chosen_parameters_derivatives_are_the_same(stone, chosen, expected):
+    """With as many rays, to the bit."""
+    options = {"max_reflections": 6, "bound": 10.0}
+    whole, found = (sensitivity(stone, parameters=of, **options) for of in (None, chosen))
+    assert [(of.parameter, of.kept) for of in found.derivatives] == expected
+    assert found.derivatives == tuple(of for of in whole.derivatives if (of.parameter, of.kept) in expected)
+    # Told with the last of them: of virtual facets some too small to count are others.
+    assert (found.average, found.rear) == pytest.approx((whole.average, whole.rear), abs=1e-6)
+
+
+def test_a_parameter_that_there_is_not_is_told():
+    with pytest.raises(InputError, match="parameter = 'depth': must be one of table, star, "):
+        sensitivity(load_stone("inoue-3"), parameters=["depth"])
+    with pytest.raises(InputError, match="parameter: names none to differentiate by"):
+        sensitivity(load_stone("inoue-3"), parameters=[])
+
+
 def test06_at_the_end_of_a_range_one_side_is_enough():
     thin = {**asdict(load_stone("inoue-3").proportions), "girdle_thickness": 0.0}
     told = sensitivity(gem(RoundBrilliant(**thin)), model=MODEL)
@@ -143,8 +179,6 @@ def test08_a_stone_without_proportions_is_refused(stone):
 
 
 # ---- Designs -------------------------------------------------------------------------------------------
-
-DESIGNS = Path(__file__).parents[1] / "cases" / "stones"
 #: Step of the difference quotient of exact scores [deg], [%], and how far it is off: its second order, and a
 #: score's rounding over the step.
 TIER_STEP, TIER_QUOTIENT = 2e-4, 0.02
