@@ -107,7 +107,7 @@ def test_lines_at_the_walls_may_move_or_stay():
 def test_of_all_views():
     """The slope of a sum over all views lies within its bound of a difference of exact scores."""
     cut, stone = emerald()
-    change, step, of = change_of(cut, "crown_height"), 1.0, measure_named("wlr-like")
+    change, step, of = change_of(cut, "crown_height"), 2.0, measure_named("wlr-like")
     slopes = hemisphere_slopes(
         beam_stone(stone), change.planes(cut), Model.of(stone), [of],
         wanted=1.0, seed=1, whole=False, budget=Budget(60.0, 1.0),
@@ -116,7 +116,7 @@ def test_of_all_views():
         "crown_height", "proportions", "%", [of], np.concatenate([np.zeros((2, 16, 2)), slopes], 2)
     )
     low, high = (
-        measure_hemisphere(beam_stone(change.moved(stone, by)), Model.of(stone), [of], bound=0.3, seed=3)[0]
+        measure_hemisphere(beam_stone(change.moved(stone, by)), Model.of(stone), [of], bound=0.6, seed=3)[0]
         for by in (-step, step)
     )
     slope = (high.values["value"] - low.values["value"]) / (2 * step)
