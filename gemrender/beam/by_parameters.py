@@ -6,19 +6,21 @@ followed as for round brilliants (`slopes`).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import fields
+from itertools import compress
 from typing import NamedTuple
 
 import numpy as np
 
 from gemrender.beam.budget import Budget
 from gemrender.beam.compiled import STEP
-from gemrender.beam.derivatives import Sensitivity, derivative, result
+from gemrender.beam.derivatives import Sensitivity, are_wanted, derivative, result
 from gemrender.beam.slopes import exact_slopes, has_room, slopes_within
 from gemrender.beam.solid import beam_stone
 from gemrender.cuts.families.family import Family
 from gemrender.cuts.families.parameters import unit_of
+from gemrender.errors import InputError
 from gemrender.measures.measure import Measure
 from gemrender.measures.tally import Tally
 from gemrender.stone import Stone
@@ -96,12 +98,17 @@ def by_parameters(
     budget: Budget,
     progress: Callable[[float], None] | None,
     start: float,
+    parameters: Collection[str | tuple[str, str]] | None = None,
 ) -> Sensitivity:
     """Differentiate by a family's parameters; see `gemrender.beam.sensitivity.sensitivity`."""
     changes = list(changes_of(cut))
+    wanted_ones = are_wanted(parameters, [(change.parameter, change.kept) for change in changes])
+    changes = list(compress(changes, wanted_ones))
     if stone.is_round:
         # Near the girdle light is told by differences: of a culet that there is none of there is no such.
         changes = [change for change in changes if has_room(stone, change.moved)]
+        if not changes:
+            raise InputError("leaves no room for a difference on either side", source=stone.name)
         base, slopes = slopes_within(
             stone,
             [(change.planes(cut), change.moved) for change in changes],

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import asdict
 from functools import partial
+from itertools import compress
 
 import numpy as np
 
 from gemrender.beam.budget import Budget
 from gemrender.beam.compiled import STEP
-from gemrender.beam.derivatives import Derivative, Sensitivity, derivative, result
+from gemrender.beam.derivatives import Sensitivity, are_wanted, derivative, result
 from gemrender.beam.slopes import slopes_within
 from gemrender.cuts.round_brilliant import RoundBrilliant
 from gemrender.cuts.round_brilliant.planes import facet_planes
@@ -44,16 +45,26 @@ def by_proportions(
     budget: Budget,
     progress: Callable[[float], None] | None,
     start: float,
+    parameters: Collection[str | tuple[str, str]] | None = None,
 ) -> Sensitivity:
     """Differentiate by proportions and angles; see `gemrender.beam.sensitivity.sensitivity`."""
     proportions = stone.proportions
     assert proportions is not None
-    changes = [
-        (proportion_planes(proportions, parameter), partial(_moved, parameter)) for parameter in PROPORTIONS
-    ]
+    # Of each its unit, and the derivatives of proportions by it: those by angles follow by the chain rule.
+    rows: dict[tuple[str, str], tuple[str, dict[str, float]]] = {
+        **{(name, "proportions"): ("%", {name: 1.0}) for name in PROPORTIONS},
+        **{(name, "angles"): of for name, of in by_angles(proportions).items()},
+    }
+    rows = dict(compress(rows.items(), are_wanted(parameters, list(rows))))
+    needed = [name for name in PROPORTIONS if any(name in chain for _, chain in rows.values())]
+    changes = [(proportion_planes(proportions, name), partial(_moved, name)) for name in needed]
     base, found = slopes_within(stone, changes, tally, wanted, seed, budget, progress, over_views)
+    slopes = dict(zip(needed, found, strict=True))
     measures = [*tally.measures, *over_views]
-    derivatives = _derivatives(proportions, measures, dict(zip(PROPORTIONS, found, strict=True)))
+    derivatives = [
+        derivative(name, kept, unit, measures, np.sum([by * slopes[of] for of, by in chain.items()], axis=0))
+        for (name, kept), (unit, chain) in rows.items()
+    ]
     return result(stone, tally, base.values().mean(axis=0), derivatives, base.girdle, start)
 
 
@@ -62,16 +73,6 @@ def _moved(parameter: str, stone: Stone, by: float) -> Stone:
     numbers = asdict(stone.proportions)
     numbers[parameter] += by
     return Stone.from_proportions(RoundBrilliant(**numbers), material=stone.material)
-
-
-def _derivatives(
-    proportions: RoundBrilliant, measures: Sequence[Measure], slopes: dict[str, np.ndarray]
-) -> list[Derivative]:
-    """Put the derivatives together; those by angles follow from those by heights (the chain rule)."""
-    rows = [(name, "proportions", "%", slope) for name, slope in slopes.items()]
-    for name, (unit, chain) in by_angles(proportions).items():
-        rows.append((name, "angles", unit, np.sum([by * slopes[of] for of, by in chain.items()], axis=0)))
-    return [derivative(name, kept, unit, measures, slope) for name, kept, unit, slope in rows]
 
 
 def by_angles(proportions: RoundBrilliant) -> dict[str, tuple[str, dict[str, float]]]:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
+from itertools import compress
 
 import numpy as np
 
 from gemrender.beam.budget import Budget
 from gemrender.beam.compiled import STEP
-from gemrender.beam.derivatives import Sensitivity, derivative, result
+from gemrender.beam.derivatives import Sensitivity, are_wanted, derivative, result
 from gemrender.beam.slopes import exact_slopes
 from gemrender.beam.solid import beam_stone
 from gemrender.cuts.design import Design
@@ -59,6 +60,7 @@ def by_tiers(
     budget: Budget,
     progress: Callable[[float], None] | None,
     start: float,
+    parameters: Collection[str | tuple[str, str]] | None = None,
     meets: str = "free",
 ) -> Sensitivity:
     """Differentiate by angle and distance of each tier that has facets on the stone.
@@ -82,7 +84,9 @@ def by_tiers(
     unit = design_unit(stone, design)
     angles, distances = values_of(design)
     names, changes = [], []
-    for tier, quantity in parameters_of_stone(stone, design):
+    known = parameters_of_stone(stone, design)
+    wanted_ones = are_wanted(parameters, [(parameter_name(design, *of), KEPT_BY_WAY[meets]) for of in known])
+    for tier, quantity in compress(known, wanted_ones):
         with contextlib.suppress(InputError):
             by_angle, by_distance = ways.slopes(tier, quantity)
             moving = with_tiers(

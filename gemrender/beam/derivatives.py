@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 import numpy as np
 
 from gemrender.beam.compiled import STEP
+from gemrender.errors import InputError
 from gemrender.measures import inoue
 from gemrender.measures.measure import Measure
 from gemrender.measures.tally import REST, Tally, bounds_of_sets
@@ -21,6 +22,7 @@ __all__ = [
     "Derivative",
     "Sensitivity",
     "ValueSlope",
+    "are_wanted",
     "derivative",
     "result",
     "score_slopes",
@@ -137,6 +139,29 @@ class Sensitivity(Tabled):
         """Return the derivatives for JSON."""
         out = {each.name: getattr(self, each.name) for each in fields(self)}
         return out | {"derivatives": [of.to_dict() for of in self.derivatives]}
+
+
+def are_wanted(
+    parameters: Collection[str | tuple[str, str]] | None, known: Sequence[tuple[str, str]]
+) -> list[bool]:
+    """Return of each known parameter, (name, kept), whether it is among those that were asked for.
+
+    Raises
+    ------
+    InputError
+        One that is not known, or none at all.
+    """
+    if parameters is None:
+        return [True] * len(known)
+    allowed = {*known, *(name for name, _ in known)}
+    for of in parameters:
+        if of not in allowed:
+            names = ", ".join(dict.fromkeys(name for name, _ in known))
+            value = of if isinstance(of, str) else ", ".join(of)
+            raise InputError(f"must be one of {names}", key="parameter", value=value)
+    if not parameters:
+        raise InputError("names none to differentiate by", key="parameter")
+    return [(name, kept) in parameters or name in parameters for name, kept in known]
 
 
 def smooth_values(tally: Tally, area: np.ndarray, channels: np.ndarray) -> np.ndarray:

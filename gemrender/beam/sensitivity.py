@@ -8,7 +8,7 @@ does not move.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import replace
 from typing import Unpack
 
@@ -114,6 +114,7 @@ def sensitivity(
     measures: str | Measure | Iterable[str | Measure] = (),
     head: float = HEAD_DEG,
     meets: str = "free",
+    parameters: Collection[str | tuple[str, str]] | None = None,
     **short: Unpack[ShortForms],
 ) -> Sensitivity:
     """Differentiate a stone's Average and Rear by each of its proportions and angles, or of its tiers'.
@@ -145,6 +146,9 @@ def sensitivity(
     meets : {"free", "loose", "kept"}
         Of designs, what becomes of meet points where a tier changes: its other number and all other tiers
         stay; or it turns about the middle of its facets; or other tiers follow (`gemrender.cuts.meets`).
+    parameters : collection of str or (str, str), optional
+        What to differentiate by, where it is not to be all: names, or names and what is kept, as of
+        `Derivative`. Others take no time.
     **short
         As of `ShortForms`.
 
@@ -156,8 +160,9 @@ def sensitivity(
     Raises
     ------
     InputError
-        The stone was made from none of them, a measure cannot be differentiated, the bound or a limit is out
-        of range, or the stone falls into more virtual facets than can be differentiated within the limits.
+        The stone was made from none of them, it has no such parameter, a measure cannot be differentiated,
+        the bound or a limit is out of range, or the stone falls into more virtual facets than can be
+        differentiated within the limits.
     """
     start = time.perf_counter()
     stone = as_stone(stone)
@@ -169,13 +174,13 @@ def sensitivity(
     tally = Tally(view, model, [of for of in chosen if of not in over_views], head)
     how = (tally, over_views, wanted, seed, Budget(time_limit, memory_limit), progress, start)
     if isinstance(stone.cut, Design):
-        found = by_tiers(stone, stone.cut, *how, meets)
+        found = by_tiers(stone, stone.cut, *how, parameters, meets)
     elif meets != "free":
         raise InputError("only designs of tiers have meets", key="meets", value=meets)
     elif isinstance(stone.cut, Family):
-        found = by_parameters(stone, stone.cut, *how)
+        found = by_parameters(stone, stone.cut, *how, parameters)
     else:
-        found = by_proportions(stone, *how)
+        found = by_proportions(stone, *how, parameters)
     if not over_views:
         return found
     place = {of.name: k for k, of in enumerate(chosen)}  # in the order that was asked for

@@ -40,11 +40,18 @@ def cliffs_of(stone, name, **options):
     return below, above
 
 
+@pytest.fixture
+def few_steps(monkeypatch):
+    """Steps of a tenth of the reach: halving tells a jump to the same place."""
+    monkeypatch.setattr("gemrender.sweep.cliffs.STEPS", 10)
+
+
 def size(cliff, measure, key):
     (found,) = [of.size for of in cliff.jumps if (of.measure, of.key) == (measure, key)]
     return found
 
 
+@pytest.mark.usefixtures("few_steps")
 def test_two_mains_of_a_roof():
     """Rationale: light straight down meets a main at p, is reflected to the other, and meets it at 180 - 3 p.
 
@@ -62,6 +69,7 @@ def test_two_mains_of_a_roof():
     assert all(cliff.at is None for cliff in cliffs_of(roof(0.5 * (critical + second)), "M angle"))
 
 
+@pytest.mark.usefixtures("few_steps")
 @pytest.mark.parametrize(
     ("crown", "meets"), [(25.0, "free"), (35.0, "free"), (35.0, "kept"), (35.0, "loose")]
 )
@@ -86,6 +94,7 @@ def brilliant(pavilion):
     )
 
 
+@pytest.mark.usefixtures("few_steps")
 def test_the_leak_of_a_round_brilliant():
     """Between pavilions of 41.15 and 41.25 deg principal light that leaks down goes from 4.5 to 11.4 %.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import multiprocessing
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -51,6 +52,15 @@ SOBOL = """
     number = 7
     seed = 5
     """
+
+
+@pytest.fixture(scope="module")
+def whole_grid(tmp_path_factory):
+    """The folder of `GRID`'s atlas, made by threads: read by several tests, changed by none."""
+    folder = tmp_path_factory.mktemp("grid")
+    (folder / "plan.toml").write_text(textwrap.dedent(GRID))
+    make_atlas(read_plan(folder / "plan.toml"), str(folder / "a.zarr"))
+    return folder / "a.zarr"
 
 
 @pytest.fixture
@@ -194,10 +204,8 @@ def test_a_plan_larger_than_the_disk_is_refused(planned, tmp_path, monkeypatch):
 # ---- Values --------------------------------------------------------------------------------------------
 
 
-def test_a_cell_is_what_a_score_says(planned, tmp_path):
-    plan = planned(GRID)
-    make_atlas(plan, str(tmp_path / "a.zarr"))
-    with open_atlas(str(tmp_path / "a.zarr")) as atlas:
+def test_a_cell_is_what_a_score_says(whole_grid):
+    with open_atlas(str(whole_grid)) as atlas:
         cell = atlas.sel(crown_angle=34, star=50).load()
     stone = gem.vary("gia-excellent", ["crown_angle=34", "star=50"])[0]
     score = gem.score(stone, bound=BOUND, measures="window")
@@ -266,7 +274,7 @@ def test_attributes_tell_where_the_numbers_come_from(planned, tmp_path):
 
 
 def test_bytes_are_the_same_in_any_order_and_number_of_threads(planned, tmp_path):
-    for text, name in ((GRID, "grid"), (SOBOL, "sobol")):
+    for text, name in ((GRID.replace("33:35:1", "33:34:1"), "grid"), (SOBOL, "sobol")):
         plan = planned(text, name)
         make_atlas(plan, str(tmp_path / "one.zarr" / name), threads=1)
         make_atlas(plan, str(tmp_path / "three.zarr" / name), threads=3)
@@ -283,7 +291,7 @@ def test_processes_write_the_same_bytes_though_one_of_them_is_killed(planned, tm
     monkeypatch.setattr(work, "TRIAL_S", 0.0)
     monkeypatch.setattr(work, "WORTH_S", 0.0)
     monkeypatch.setattr("os.cpu_count", lambda: 2)
-    plan = planned(SOBOL.replace("number = 7", "number = 40"))
+    plan = planned(SOBOL.replace("number = 7", "number = 20"))
     killed = []
 
     def kill(share):
@@ -293,7 +301,7 @@ def test_processes_write_the_same_bytes_though_one_of_them_is_killed(planned, tm
 
     made = make_atlas(plan, str(tmp_path / "processes.zarr"), progress=kill)
     assert killed
-    assert made.done == made.measured == 40
+    assert made.done == made.measured == 20
     assert "its work is done again" in caplog.text
     make_atlas(plan, str(tmp_path / "threads.zarr"), threads=2)
     assert contents(tmp_path / "processes.zarr") == contents(tmp_path / "threads.zarr")
@@ -315,7 +323,7 @@ def test_where_processes_are_lost_again_and_again_what_is_done_is_kept(planned, 
     assert make_atlas(plan, where).measured == 4
 
 
-def test_an_interruption_keeps_what_is_done(planned, tmp_path, monkeypatch):
+def test_an_interruption_keeps_what_is_done(planned, tmp_path, whole_grid):
     plan = planned(GRID)
     where = str(tmp_path / "a.zarr")
 
@@ -327,8 +335,7 @@ def test_an_interruption_keeps_what_is_done(planned, tmp_path, monkeypatch):
         make_atlas(plan, where, threads=1, progress=interrupt)
     assert len(AtlasStore(plan, where).to_do()) == 2
     assert make_atlas(plan, where).measured == 8
-    make_atlas(plan, str(tmp_path / "b.zarr"))
-    assert contents(tmp_path / "a.zarr") == contents(tmp_path / "b.zarr")
+    assert contents(tmp_path / "a.zarr") == contents(whole_grid)
 
 
 def test_the_status_of_many_chunks_is_read_some_at_a_time(planned, tmp_path, monkeypatch):
@@ -344,16 +351,16 @@ def test_the_status_of_many_chunks_is_read_some_at_a_time(planned, tmp_path, mon
         np.testing.assert_array_equal(store.status(), whole)
 
 
-def test_a_damaged_chunk_is_done_again(planned, tmp_path):
+def test_a_damaged_chunk_is_done_again(planned, tmp_path, whole_grid):
     plan = planned(GRID)
-    make_atlas(plan, str(tmp_path / "a.zarr"))
+    shutil.copytree(whole_grid, tmp_path / "a.zarr")
     expected = contents(tmp_path / "a.zarr")
     (tmp_path / "a.zarr" / "status" / "c" / "1" / "0").write_bytes(b"(\xb5/\xfd")
     assert make_atlas(plan, str(tmp_path / "a.zarr")).measured == 4
     assert contents(tmp_path / "a.zarr") == expected
 
 
-def test_a_process_killed_with_9_goes_on(planned, tmp_path):
+def test_a_process_killed_with_9_goes_on(planned, tmp_path, whole_grid):
     """It is killed after the values of its second chunk and before their status."""
     plan = planned(GRID)
     code = """
@@ -377,8 +384,7 @@ def test_a_process_killed_with_9_goes_on(planned, tmp_path):
     (tmp_path / "a.zarr" / "status" / "c" / "2").mkdir(parents=True)
     (tmp_path / "a.zarr" / "status" / "c" / "2" / "0.1234.partial").write_bytes(b"half")  # as zarr leaves it
     assert make_atlas(plan, str(tmp_path / "a.zarr")).measured == 8
-    make_atlas(plan, str(tmp_path / "b.zarr"))
-    assert contents(tmp_path / "a.zarr") == contents(tmp_path / "b.zarr")
+    assert contents(tmp_path / "a.zarr") == contents(whole_grid)
 
 
 def test_an_atlas_of_another_plan_is_refused(planned, tmp_path):

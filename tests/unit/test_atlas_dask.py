@@ -22,21 +22,22 @@ PLAN = """
     chunk = 3
     [vary]
     crown_angle = "33:35:1"
-    pavilion_angle = "40:41.4:0.1"
+    pavilion_angle = "40:40.8:0.1"
     """
 
 
-@pytest.fixture
-def plan(tmp_path):
-    path = tmp_path / "plan.toml"
+@pytest.fixture(scope="module")
+def plan(tmp_path_factory):
+    path = tmp_path_factory.mktemp("plan") / "plan.toml"
     path.write_text(textwrap.dedent(PLAN))
     return read_plan(path)
 
 
-@pytest.fixture
-def expected(plan, tmp_path):
-    make_atlas(plan, str(tmp_path / "threads.zarr"))
-    return contents(tmp_path / "threads.zarr")
+@pytest.fixture(scope="module")
+def expected(plan, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("threads")
+    make_atlas(plan, str(folder / "threads.zarr"))
+    return contents(folder / "threads.zarr")
 
 
 def contents(store):

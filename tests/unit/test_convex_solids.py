@@ -22,6 +22,7 @@ from random_solids import (
 )
 from scipy.spatial import ConvexHull
 from solids import assert_closed, bent_stone, half_space_volume, mesh_volume
+from thorough import examples
 from tolerances import QUADRATURE_VOLUME
 
 from gemrender.beam import measure, trace_facets
@@ -61,8 +62,7 @@ SAMPLES_OFF = 4 * 50.0
 # ---- Planes, corners, areas, volume --------------------------------------------------------------------
 
 
-@settings(max_examples=40, **REPEATABLE)
-@given(seed=SEEDS, number=st.integers(8, 120))
+@examples(12, 40, given(seed=SEEDS, number=st.integers(8, 120)), **REPEATABLE)
 def test_planes_about_an_ellipsoid_are_a_closed_convex_solid(seed, number):
     planes = about_ellipsoid(np.random.default_rng(seed), number)
     body = intersect(planes)
@@ -76,8 +76,7 @@ def test_planes_about_an_ellipsoid_are_a_closed_convex_solid(seed, number):
     assert (low + high)[:2] == pytest.approx(0, abs=CORNERS)
 
 
-@settings(max_examples=40, **REPEATABLE)
-@given(seed=SEEDS, number=st.integers(8, 120))
+@examples(12, 40, given(seed=SEEDS, number=st.integers(8, 120)), **REPEATABLE)
 def test_volume_areas_and_middle_are_those_of_the_corners_hull(seed, number):
     solid = stone_of(about_ellipsoid(np.random.default_rng(seed), number)).solid
     hull = ConvexHull(solid.vertices)
@@ -112,8 +111,7 @@ def test_the_mesh_is_what_trimesh_takes_for_a_closed_convex_body(seed, number):
     assert body.area == pytest.approx(stone.solid.areas.sum(), rel=MEASURED)
 
 
-@settings(max_examples=30, **REPEATABLE)
-@given(seed=SEEDS, number=st.integers(8, 80), exponent=st.floats(-13, -6))
+@examples(12, 30, given(seed=SEEDS, number=st.integers(8, 80), exponent=st.floats(-13, -6)), **REPEATABLE)
 def test_planes_that_nearly_coincide_close(seed, number, exponent):
     rng = np.random.default_rng(seed)
     planes = doubled(rng, about_ellipsoid(rng, number), 10**exponent)
@@ -123,8 +121,12 @@ def test_planes_that_nearly_coincide_close(seed, number, exponent):
     assert_closed(tessellate(stone))
 
 
-@settings(max_examples=30, **REPEATABLE)
-@given(seed=SEEDS, number=st.integers(8, 24), exponent=st.one_of(st.just(-np.inf), st.floats(-15, -6)))
+@examples(
+    12,
+    30,
+    given(seed=SEEDS, number=st.integers(8, 24), exponent=st.one_of(st.just(-np.inf), st.floats(-15, -6))),
+    **REPEATABLE,
+)
 def test_planes_through_one_corner_close(seed, number, exponent):
     rng = np.random.default_rng(seed)
     culet = np.array([*rng.uniform(-0.1, 0.1, 2), -1.0])
@@ -136,8 +138,7 @@ def test_planes_through_one_corner_close(seed, number, exponent):
     assert_closed(tessellate(stone_of(planes)))
 
 
-@settings(max_examples=30, **REPEATABLE)
-@given(seed=SEEDS, number=st.integers(8, 60), exponent=st.floats(-13, -3))
+@examples(12, 30, given(seed=SEEDS, number=st.integers(8, 60), exponent=st.floats(-13, -3)), **REPEATABLE)
 def test_slivers_close(seed, number, exponent):
     rng = np.random.default_rng(seed)
     planes = with_slivers(rng, about_ellipsoid(rng, number), 10**exponent)
@@ -177,12 +178,16 @@ def apart(one: float, other: float, period: float) -> float:
     return min(gap, period - gap)
 
 
-@settings(max_examples=40, **REPEATABLE)
-@given(
-    seed=SEEDS,
-    fold=st.integers(2, 24),
-    azimuth=st.one_of(st.none(), st.sampled_from([0.0, np.pi / 2]), st.floats(0, np.pi)),
-    rings=st.integers(3, 5),
+@examples(
+    12,
+    40,
+    given(
+        seed=SEEDS,
+        fold=st.integers(2, 24),
+        azimuth=st.one_of(st.none(), st.sampled_from([0.0, np.pi / 2]), st.floats(0, np.pi)),
+        rings=st.integers(3, 5),
+    ),
+    **REPEATABLE,
 )
 def test_symmetry_is_found_where_it_was_made(seed, fold, azimuth, rings):
     rng = np.random.default_rng(seed)
@@ -225,8 +230,12 @@ def test_no_symmetry_is_found_where_there_is_none(seed, number):
     assert (found.fold, len(found.mirrors)) == (1, 0)
 
 
-@settings(max_examples=40, **REPEATABLE)
-@given(seed=SEEDS, fold=st.integers(2, 12), azimuth=st.floats(0, np.pi), digits=st.floats(2e-8, 8e-8))
+@examples(
+    12,
+    40,
+    given(seed=SEEDS, fold=st.integers(2, 12), azimuth=st.floats(0, np.pi), digits=st.floats(2e-8, 8e-8)),
+    **REPEATABLE,
+)
 def test_symmetry_survives_rounding_in_files(seed, fold, azimuth, digits):
     rng = np.random.default_rng(seed)
     planes = symmetric(rng, fold, azimuth, 3, np.zeros(2))
@@ -235,8 +244,12 @@ def test_symmetry_survives_rounding_in_files(seed, fold, azimuth, digits):
     assert (found.fold, len(found.mirrors)) == (fold, fold)
 
 
-@settings(max_examples=40, **REPEATABLE)
-@given(seed=SEEDS, fold=st.integers(2, 12), azimuth=st.floats(0, np.pi), digits=st.floats(8e-8, 4e-7))
+@examples(
+    12,
+    40,
+    given(seed=SEEDS, fold=st.integers(2, 12), azimuth=st.floats(0, np.pi), digits=st.floats(8e-8, 4e-7)),
+    **REPEATABLE,
+)
 def test_mirror_planes_are_found_all_or_none(seed, fold, azimuth, digits):
     """Where rounding is as large as what counts as the same, some images fall on planes and some do not."""
     rng = np.random.default_rng(seed)
@@ -261,8 +274,7 @@ def brilliant(values: dict[str, float]) -> RoundBrilliant:
     return RoundBrilliant(**values)
 
 
-@settings(max_examples=60, **REPEATABLE)
-@given(values=PROPORTIONS)
+@examples(15, 60, given(values=PROPORTIONS), **REPEATABLE)
 def test_any_round_brilliant_is_a_closed_convex_solid(values):
     proportions = brilliant(values)
     stone = Stone.from_proportions(proportions)
@@ -309,7 +321,7 @@ def assert_scores(exact: Observation, by_rays: Observation) -> None:
 
 @pytest.mark.parametrize("rear", REAR_RULES)
 @pytest.mark.parametrize("tilt_deg", [0.0, 27.0])
-@settings(max_examples=6, **REPEATABLE)
+@settings(max_examples=4, **REPEATABLE)
 @given(seed=SEEDS, index=st.floats(1.4, 2.6))
 def test_exact_maps_and_scores_of_any_solid_are_the_references(rear, tilt_deg, seed, index):
     stone = random_stone(seed)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from gemrender.beam.sensitivity import Sensitivity, sensitivity
+from gemrender.beam.sensitivity import sensitivity
 from gemrender.cuts import RoundBrilliant, load_stone
 from gemrender.cuts.families import families
 from gemrender.stone import Stone
@@ -21,8 +20,6 @@ from gemrender.sweep.improve.search import prepare_search
 VALUES = {"iso.value": 80.0, "aset.leak": 6.0, "inoue.average": 60.0, "volume": 2.0}
 #: Half the step of central differences [% or deg], and what they are off by, rounding for the most part.
 STEP, CLOSE = 1e-6, 1e-5
-#: Decimals to which one stone's planes are alike, whichever of its numbers they are made from.
-ROUNDING = 12
 #: Away from a pavilion of 45 degrees, where its light jumps.
 STEP_CUT = families()["emerald"](table=63.3, crown_height=12.7, pavilion_depth=47.3).stone(
     name="e", material="quartz"
@@ -67,30 +64,6 @@ def test_which_goals_have_exact_slopes(text, exact):
     assert has_slopes(Goal.parse(text)) is exact
 
 
-@pytest.fixture(scope="module")
-def known() -> Iterator[dict[tuple[object, ...], Sensitivity]]:
-    """Derivatives by the numbers of the one stone that two searches begin with."""
-    found: dict[tuple[object, ...], Sensitivity] = {}
-    yield found
-    assert len(found) == 1
-
-
-@pytest.fixture
-def derivatives(known, monkeypatch):
-    """Derivatives of a stone are taken once for both."""
-
-    def once(stone, *, measures, **options):
-        names = tuple(of.name for of in measures)
-        planes = tuple(np.round(stone.solid.planes, ROUNDING).ravel().tolist())
-        key = (planes, stone.material, names, *sorted(options.items()))
-        if key not in known:
-            known[key] = sensitivity(stone, measures=measures, **options)
-        return known[key]
-
-    monkeypatch.setattr("gemrender.sweep.improve.goal_slopes.sensitivity", once)
-
-
-@pytest.mark.usefixtures("derivatives")
 @pytest.mark.parametrize("varied", [("table", "crown_angle", "pavilion_angle"), ("table", "pavilion_bulge")])
 def test_exact_slopes_are_those_of_differences(varied):
     """By what the search moves: with the crown's angle kept where that is varied, else with its height."""
@@ -162,3 +135,25 @@ def test_at_the_end_of_what_can_be_made_a_difference_is_one_sided():
     (slopes,) = goal_slopes(search, search.own_values())
     assert slopes["culet"].between == (0.0, 0.5)
     assert np.isfinite(slopes["culet"].slope)
+
+
+@pytest.mark.parametrize(
+    ("varied", "moves"),
+    [
+        (["pavilion_angle"], {"pavilion_depth"}),
+        (["crown_angle", "star"], {"crown_height", "star"}),
+        (["table", "crown_angle"], {"table", "crown_height"}),
+    ],
+)
+def test_only_what_the_varied_parameters_move_is_differentiated_by(monkeypatch, varied, moves):
+    asked = []
+
+    def told(*arguments, parameters, **options):
+        asked.append(set(parameters))
+        return sensitivity(*arguments, parameters=parameters, **options)
+
+    monkeypatch.setattr("gemrender.sweep.improve.goal_slopes.sensitivity", told)
+    search = prepare_search(load_stone("inoue-3"), ["inoue"], varied)
+    (slopes,) = goal_slopes(search, search.own_values(), bound=10.0)
+    assert asked == [{(name, "proportions") for name in moves}]
+    assert all(slopes[name].slope for name in varied)

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from solids import BRILLIANTS, assert_closed, half_space_volume, mesh_volume
+from thorough import examples
 from tolerances import MESH_VOLUME, PLANE, QUADRATURE_VOLUME, ROUNDING
 
 from gemrender.cuts import RoundBrilliant, bundled_stones, load_stone, stone_from_vertices
@@ -77,8 +78,7 @@ def assert_valid(stone: Stone) -> None:
 # ---- Proportions ---------------------------------------------------------------------------------------
 
 
-@settings(max_examples=150, **REPEATABLE)
-@given(st.fixed_dictionaries({key: within(*RANGES[key]) for key in RANGES}))
+@examples(40, 150, given(st.fixed_dictionaries({key: within(*RANGES[key]) for key in RANGES})), **REPEATABLE)
 def test_proportions_within_the_ranges_are_a_stone_or_have_too_short_a_star(values):
     try:
         stone = Stone.from_proportions(RoundBrilliant(**values))
@@ -111,8 +111,7 @@ def test_volume_is_that_of_half_spaces_and_cylinder(values):
     assert -QUADRATURE_VOLUME < lacking < MESH_VOLUME + QUADRATURE_VOLUME
 
 
-@settings(max_examples=150, **REPEATABLE)
-@given(mostly_good(RANGES))
+@examples(40, 150, given(mostly_good(RANGES)), **REPEATABLE)
 def test_proportions_of_any_kind(values):
     with one_line_or_stone():
         assert_valid(Stone.from_proportions(RoundBrilliant(**values)))
@@ -122,8 +121,7 @@ _REPORT = {key: (RANGES | ANGLE_RANGES)[key] for key in
            ("table", "crown_angle", "pavilion_angle", "star", "lower_half", "girdle_thickness")}  # fmt: skip
 
 
-@settings(max_examples=150, **REPEATABLE)
-@given(mostly_good(_REPORT))
+@examples(40, 150, given(mostly_good(_REPORT)), **REPEATABLE)
 def test_angles_of_any_kind(values):
     with one_line_or_stone():
         assert_valid(Stone.from_proportions(RoundBrilliant.from_angles(**values)))
@@ -200,11 +198,15 @@ SIZES = [
 ]
 
 
-@settings(max_examples=400, **REPEATABLE)
-@given(
-    text=damaged(
-        [*SCENES, *MATERIAL, *SIZES, b"name = 'x'\nvertices = 'v.csv'\n[material]\nname = 'diamond'\n"]
-    )
+@examples(
+    100,
+    400,
+    given(
+        text=damaged(
+            [*SCENES, *MATERIAL, *SIZES, b"name = 'x'\nvertices = 'v.csv'\n[material]\nname = 'diamond'\n"]
+        )
+    ),
+    **REPEATABLE,
 )
 def test_damaged_toml(folder, text):
     load(folder / "stone.toml", text)
@@ -216,8 +218,7 @@ ROWS = [
 ]
 
 
-@settings(max_examples=200, **REPEATABLE)
-@given(text=damaged(ROWS))
+@examples(60, 200, given(text=damaged(ROWS)), **REPEATABLE)
 def test_damaged_csv(folder, text):
     load(folder / "measured.csv", text)
 
@@ -234,11 +235,15 @@ def test_files_of_anything(folder, text):
 VERTICES = [load_stone(name).vertices for name in BRILLIANTS]
 
 
-@settings(max_examples=60, **REPEATABLE)
-@given(
-    vertices=st.sampled_from(VERTICES),
-    exponent=st.floats(-15, -1),
-    seed=st.integers(0, 2**32 - 1),
+@examples(
+    20,
+    60,
+    given(
+        vertices=st.sampled_from(VERTICES),
+        exponent=st.floats(-15, -1),
+        seed=st.integers(0, 2**32 - 1),
+    ),
+    **REPEATABLE,
 )
 def test_jittered_vertices(vertices, exponent, seed):
     jitter = np.random.default_rng(seed).normal(scale=10**exponent, size=vertices.shape)
@@ -246,12 +251,16 @@ def test_jittered_vertices(vertices, exponent, seed):
         assert_valid(stone_from_vertices(vertices + jitter))
 
 
-@settings(max_examples=100, **REPEATABLE)
-@given(
-    vertices=st.sampled_from(VERTICES),
-    row=st.integers(0, 56),
-    column=st.integers(0, 2),
-    value=ANYTHING.filter(lambda value: value is not None),
+@examples(
+    30,
+    100,
+    given(
+        vertices=st.sampled_from(VERTICES),
+        row=st.integers(0, 56),
+        column=st.integers(0, 2),
+        value=ANYTHING.filter(lambda value: value is not None),
+    ),
+    **REPEATABLE,
 )
 def test_one_vertex_anywhere(vertices, row, column, value):
     rows = vertices.tolist()

@@ -89,7 +89,7 @@ def test_poses_are_alike_by_the_stones_own_symmetry_alone():
 @pytest.mark.parametrize("name", ["heart", "pear"])
 def test_a_turn_about_x_has_the_true_values_of_its_own_sign(name):
     stone, truth = load_stone(str(FOLDER / f"{name}.asc")), TRUTH[name]["tilt_15_deg_about_x"]
-    study = study_tilt(stone, measures="inoue,gemray-iso", to_deg=15.0, step_deg=15.0)
+    study = study_tilt(stone, measures="inoue,gemray-iso", to_deg=15.0, step_deg=15.0, bound=0.5)
     bound = study.found[-1].bound("gemray-iso") + TRUTH[name]["bounds"]["gemray"]
     assert turned(study, "gemray-iso", "value")[15.0] == pytest.approx(truth["iso_gemray"], abs=bound)
     principal = TRUTH[name]["bounds"]["principal"] + study.found[-1].bound("inoue")
@@ -105,7 +105,7 @@ def test_upright_it_is_the_score():
 
 
 def test_what_symmetry_tells_is_what_is_traced():
-    study = study_tilt(ROUND, measures="inoue,iso", to_deg=20.0, step_deg=20.0)
+    study = study_tilt(ROUND, measures="inoue,iso", to_deg=20.0, step_deg=20.0, bound=0.5)
     scored = score(ROUND, measures="inoue,iso", tilt=20.0, tilt_azimuth=270.0, bound=0.1)
     for measure, key in (("inoue", "average"), ("inoue", "rear"), ("iso", "value")):
         by_turn = turned(study, measure, key)

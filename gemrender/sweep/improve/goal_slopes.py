@@ -10,6 +10,7 @@ import contextlib
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from itertools import compress
 from typing import Any
 
 import numpy as np
@@ -34,6 +35,8 @@ _WITHIN = 0.9
 _BOUND = 0.2
 #: What the derivatives of one stone may take [s]; past it they have a larger bound.
 _TIME = 5.0
+#: Numbers that change by less stay: the rounding of differences [of their unit per unit].
+_STILL = 1e-9
 #: What of `parameters_of` a stone is made from, each a number of its own.
 _MADE_FROM = ("proportions", "tiers")
 #: What derivatives of volume are called; it is told by differences of exact volumes.
@@ -134,6 +137,20 @@ def _measure_slopes(
     """Return slopes of values of measures and their bounds, each by the ranges, (ranges,)."""
     stone = search.stone_of(values)
     short: Any = {key: of for key, of in search.options.items() if key in ShortForms.__annotations__}
+
+    def made_from(stone: Stone) -> dict[tuple[str, str], float]:
+        return {(of.name, of.kept): of.value for of in parameters_of(stone) if of.kept in _MADE_FROM}
+
+    numbers = list(made_from(stone))
+
+    def in_order(stone: Stone) -> np.ndarray:
+        known = made_from(stone)
+        return np.array([known[number] for number in numbers])
+
+    moved = np.array(
+        [np.broadcast_to(_central(in_order, search, values, by.name), len(numbers)) for by in search.ranges]
+    )
+    moves = ~(np.abs(moved) <= _STILL).all(axis=0)  # NaN does
     found = sensitivity(
         stone,
         measures=measures,
@@ -141,20 +158,14 @@ def _measure_slopes(
         bound=wanted,
         seed=search.options.get("seed", 1),
         time_limit=_TIME,
+        parameters=list(compress(numbers, moves)),
         **short,
     )
-    numbers = [of for of in found.derivatives if of.kept in _MADE_FROM]
-
-    def made_from(stone: Stone) -> np.ndarray:
-        known = {of.name: of.value for of in parameters_of(stone) if of.kept in _MADE_FROM}
-        return np.array([known[of.parameter] for of in numbers])
-
-    moved = np.array(
-        [np.broadcast_to(_central(made_from, search, values, by.name), len(numbers)) for by in search.ranges]
-    )
+    place = {number: k for k, number in enumerate(numbers)}
+    moved = moved[:, [place[of.parameter, of.kept] for of in found.derivatives]]
     slopes = {}
-    for k, of in enumerate(numbers[0].measures):
-        by_number = np.array([[each.measures[k].slope, each.measures[k].bound] for each in numbers])
+    for k, of in enumerate(found.derivatives[0].measures):
+        by_number = np.array([[each.measures[k].slope, each.measures[k].bound] for each in found.derivatives])
         slopes[f"{of.measure}.{of.key}"] = moved @ by_number[:, 0], np.abs(moved) @ by_number[:, 1]
     return slopes
 

@@ -216,9 +216,9 @@ def _evolve(search: Search, rounds: int, after_each: Callable[[float, float], No
     )
     algorithm.setup(problem, termination=("n_gen", rounds + 1), seed=search.seed, verbose=False)
     generations = 0
-    while algorithm.has_next():
+    while algorithm.has_next() and not search.is_exhausted:  # for others it would mate a hundred times
         members = algorithm.ask()
-        if members is None:  # of few stones all have been tried
+        if members is None:
             break
         losses = search.losses(members.get("X") * scale)
         Evaluator().eval(StaticProblem(problem, F=losses), members)

@@ -173,6 +173,11 @@ class Search:
         return np.concatenate([[self.nearest()], spread]).astype(float)
 
     @property
+    def is_exhausted(self) -> bool:
+        """Whether every stone on the ranges is known: there are few, on whole steps."""
+        return bool(self.is_whole.all()) and len(self.known) >= math.prod(by.count for by in self.ranges)
+
+    @property
     def population(self) -> int:
         """Members of a population, by the number of parameters."""
         return min(60, max(16, 8 * len(self.ranges)))
