@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import gc
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache
@@ -64,7 +65,11 @@ def part_of(path: Path) -> str:
 
 @cache
 def nodes(path: Path) -> tuple[ast.AST, ...]:
-    return tuple(ast.walk(ast.parse(path.read_text(encoding="utf-8"), str(path))))
+    gc.disable()  # it would look at all of half a million again and again: half of the time
+    try:
+        return tuple(ast.walk(ast.parse(path.read_text(encoding="utf-8"), str(path))))
+    finally:
+        gc.enable()
 
 
 @cache

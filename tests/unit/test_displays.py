@@ -101,11 +101,13 @@ def test_extreme_stones_draw(extreme, what):
     draw(Stone.from_proportions(EXTREMES[extreme], name=extreme), what).canvas.draw()
 
 
-def test_the_map_is_that_of_the_report(tmp_path):
+@pytest.mark.parametrize("formats", chosen(["png svg", "png svg pdf"], ["png svg"]))
+def test_the_map_is_that_of_the_report(formats, tmp_path):
+    formats = formats.split()
     written = write_display(
-        stone_named("inoue-3"), "map", tmp_path, "x", formats=FORMATS, engine="reference", resolution=32
+        stone_named("inoue-3"), "map", tmp_path, "x", formats=formats, engine="reference", resolution=32
     )
-    assert [path.name for path in written] == ["x-map.png", "x-map.svg", "x-map.pdf"]
+    assert [path.name for path in written] == [f"x-map.{ending}" for ending in formats]
     assert all(path.stat().st_size > 10_000 for path in written)
 
 
