@@ -35,12 +35,10 @@ def boxes(figure) -> list[tuple[str, np.ndarray]]:
 def overlaps(figure, found=None) -> list[tuple[str, str]]:
     """Return the pairs of texts whose boxes, by default all of the figure's, overlap."""
     found = boxes(figure) if found is None else found
-    return [
-        (one, other)
-        for i, (one, a) in enumerate(found)
-        for other, b in found[:i]
-        if (a[:2] < b[2:]).all() and (b[:2] < a[2:]).all()
-    ]
+    names, all_boxes = [name for name, _ in found], np.reshape([box for _, box in found], (-1, 4))
+    low, high = all_boxes[:, :2], all_boxes[:, 2:]
+    below = (low[:, None] < high).all(axis=2)
+    return [(names[i], names[k]) for i, k in np.argwhere(np.tril(below & below.T, -1))]
 
 
 def assert_within(figure):

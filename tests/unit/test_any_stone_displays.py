@@ -153,11 +153,11 @@ def test_tints_go_on_for_any_number_of_tiers():
 
 
 def test_of_very_many_corners_those_with_room_are_numbered():
-    """A solid of 300 planes that touch an ellipsoid has some 600 corners."""
-    normals = np.random.default_rng(5).normal(size=(300, 3))
+    """A solid of 200 planes that touch an ellipsoid has some 400 corners."""
+    normals = np.random.default_rng(5).normal(size=(200, 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     offsets = np.linalg.norm(normals * (1.0, 0.8, 0.6), axis=1)
-    solid, _ = convex_solid(in_frame(np.column_stack([normals, offsets]))[0], np.arange(300))
+    solid, _ = convex_solid(in_frame(np.column_stack([normals, offsets]))[0], np.arange(200))
     facets = tuple(Facet(f"F{i}", "F", side_of(plane[2])) for i, plane in enumerate(solid.planes))
     figure = draw(Stone(solid=solid, facets=facets, material=1.7), "vertices")
     assert overlaps(figure) == []

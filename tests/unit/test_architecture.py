@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import contextlib
+import gc
 import sys
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -76,7 +77,11 @@ def part_of(path: Path) -> str:
 
 @cache
 def nodes(path: Path) -> tuple[ast.AST, ...]:
-    return tuple(ast.walk(ast.parse(path.read_text(encoding="utf-8"), str(path))))
+    gc.disable()  # it would look at all of half a million again and again: half of the time
+    try:
+        return tuple(ast.walk(ast.parse(path.read_text(encoding="utf-8"), str(path))))
+    finally:
+        gc.enable()
 
 
 @cache

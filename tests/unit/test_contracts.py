@@ -111,5 +111,6 @@ FILES = {
 @pytest.mark.parametrize("name", FILES)
 def test_files_have_their_names(name, printed, tmp_path, variant_llvm_ad_mono):
     command, names = FILES[name]
-    printed(*command, "-o", str(tmp_path))
-    assert {path.name for path in tmp_path.iterdir()} == names
+    folder = tmp_path / "a" / "b"  # made, where there is none
+    printed(*command, "-o", str(folder))
+    assert {path.name for path in folder.iterdir()} == names

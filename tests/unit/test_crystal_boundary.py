@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from crystals_help import KINDS, at_right_angles, coming, crystals, directions, frames, not_lost
+from thorough import chosen
 
 from gemrender.optics.crystals import (
     Indicatrix,
@@ -18,7 +19,6 @@ from gemrender.optics.crystals import (
 from gemrender.optics.crystals.boundary import MOST_LOST
 from gemrender.optics.fresnel import reflectance_polarised
 
-N = 10_000
 #: Issue of the crystals: energy in is energy out, and light and eye may be swapped, to this.
 ENERGY = 1e-12
 RECIPROCITY = 1e-12
@@ -36,6 +36,16 @@ NEXT_TO = 1e-11
 ALONG = 1e-6
 
 
+@pytest.fixture(params=chosen([2_000, 10_000], [2_000]))
+def n(request):
+    """How many random cases."""
+    return request.param
+
+
+#: Light goes through in a fifth of the cases, less three deviations of 2000: sqrt(0.2 * 0.8 / 2000) = 0.009.
+OFTEN = 0.17
+
+
 def totals(result):
     return result.reflected.sum(axis=-2) + result.transmitted.sum(axis=-2)
 
@@ -47,11 +57,11 @@ def assert_energy_is_kept(left):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_energy_that_enters(kind):
+def test_energy_that_enters(kind, n):
     rng = np.random.default_rng(1)
-    crystal, normal = crystals(rng, N, kind), directions(rng, N)
-    outside = rng.uniform(1.0, 2.0, N)  # denser than some: total reflection from outside too
-    entered = enter(normal, outside[:, None] * directions(rng, N), crystal, outside)
+    crystal, normal = crystals(rng, n, kind), directions(rng, n)
+    outside = rng.uniform(1.0, 2.0, n)  # denser than some: total reflection from outside too
+    entered = enter(normal, outside[:, None] * directions(rng, n), crystal, outside)
     np.testing.assert_allclose(totals(entered), 1.0, rtol=0, atol=ENERGY)
     assert (~entered.waves.propagating).any()
     assert not entered.waves.propagating.any(axis=-1).all()
@@ -59,10 +69,10 @@ def test_energy_that_enters(kind):
 
 @pytest.mark.parametrize("mode", [0, 1])
 @pytest.mark.parametrize("kind", KINDS)
-def test_energy_that_leaves(kind, mode):
+def test_energy_that_leaves(kind, mode, n):
     rng = np.random.default_rng(2)
-    crystal, outside = crystals(rng, N, kind), rng.uniform(1.0, 1.7, N)
-    k, normal = coming(directions(rng, N), directions(rng, N), crystal, mode)
+    crystal, outside = crystals(rng, n, kind), rng.uniform(1.0, 1.7, n)
+    k, normal = coming(directions(rng, n), directions(rng, n), crystal, mode)
     left = leave(normal, k, crystal, outside)
     propagating = left.incident.propagating
     np.testing.assert_allclose(totals(left)[propagating], 1.0, rtol=0, atol=ENERGY)
@@ -76,10 +86,10 @@ def test_energy_that_leaves(kind, mode):
 
 @pytest.mark.parametrize("mode", [0, 1])
 @pytest.mark.parametrize("kind", KINDS)
-def test_wave_that_comes_is_among_those_found(kind, mode):
+def test_wave_that_comes_is_among_those_found(kind, mode, n):
     rng = np.random.default_rng(3)
-    crystal = crystals(rng, N, kind)
-    k, normal = coming(directions(rng, N), directions(rng, N), crystal, mode)
+    crystal = crystals(rng, n, kind)
+    k, normal = coming(directions(rng, n), directions(rng, n), crystal, mode)
     left = leave(normal, k, crystal)
     along = np.sum(k * normal, axis=-1)
     numbers = [mode] if kind == "uniaxial" else [0, 1]  # in a dimple of the outer sheet both are slow
@@ -88,10 +98,10 @@ def test_wave_that_comes_is_among_those_found(kind, mode):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_waves_fulfil_maxwells_equations(kind):
+def test_waves_fulfil_maxwells_equations(kind, n):
     rng = np.random.default_rng(4)
-    crystal = crystals(rng, N, kind)
-    entered = enter(directions(rng, N), 1.5 * directions(rng, N), crystal, 1.5)
+    crystal = crystals(rng, n, kind)
+    entered = enter(directions(rng, n), 1.5 * directions(rng, n), crystal, 1.5)
     frame = crystal.frame @ np.swapaxes(entered.axes, -1, -2)
     eps = np.einsum("nai,na,naj->nij", frame, crystal.permittivities, frame)
     waves = entered.waves
@@ -104,10 +114,10 @@ def test_waves_fulfil_maxwells_equations(kind):
 
 @pytest.mark.parametrize("mode", [0, 1])
 @pytest.mark.parametrize("kind", KINDS)
-def test_light_and_eye_may_be_swapped(kind, mode):
+def test_light_and_eye_may_be_swapped(kind, mode, n):
     rng = np.random.default_rng(5)
-    crystal, outside = crystals(rng, N, kind), rng.uniform(1.0, 1.7, N)
-    k, normal = coming(directions(rng, N), directions(rng, N), crystal, mode)
+    crystal, outside = crystals(rng, n, kind), rng.uniform(1.0, 1.7, n)
+    k, normal = coming(directions(rng, n), directions(rng, n), crystal, mode)
     left, back = leave(normal, k, crystal, outside), leave(normal, -k, crystal, outside)
     both = left.incident.propagating[:, :, None] & left.incident.propagating[:, None, :]
     transposed = np.where(both, np.swapaxes(back.reflected, -1, -2), left.reflected)
@@ -117,7 +127,7 @@ def test_light_and_eye_may_be_swapped(kind, mode):
     through = (tangential < outside)[:, None, None] & left.incident.propagating[:, None, :]
     transposed = np.where(through, np.swapaxes(entered.transmitted, -1, -2), left.transmitted)
     np.testing.assert_allclose(left.transmitted, transposed, rtol=0, atol=RECIPROCITY)
-    assert through.mean() > 0.2
+    assert through.mean() > OFTEN
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -12,6 +12,7 @@ from damage import damaged
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scan_files import scan_file
+from thorough import chosen
 
 from gemrender.cuts.convert import save_stone
 from gemrender.cuts.load import load_design_file
@@ -19,7 +20,8 @@ from gemrender.errors import InputError
 
 CASES = Path(__file__).parents[1] / "cases" / "stones"
 #: Files of each kind; more by the environment, as `GEMRENDER_DAMAGED=1000 pytest ...`.
-EXAMPLES = int(os.environ.get("GEMRENDER_DAMAGED", "60"))
+ASKED = os.environ.get("GEMRENDER_DAMAGED")
+EXAMPLES = [int(ASKED)] if ASKED else chosen([20, 60], [20])
 KINDS = ("asc", "gem", "gcs", "stl", "obj", "ply", "glb", "srn")
 
 
@@ -38,19 +40,20 @@ def whole(tmp_path_factory):
     return contents
 
 
+@pytest.mark.parametrize("examples", EXAMPLES)
 @pytest.mark.parametrize("kind", [*KINDS, "quirky asc"])
-def test_a_damaged_file_makes_a_stone_or_one_line(kind, whole, tmp_path):
+def test_a_damaged_file_makes_a_stone_or_one_line(kind, examples, whole, tmp_path):
     path = tmp_path / f"stone.{kind.split()[-1]}"
     path.write_bytes(whole[kind])
     own = "novelty-chiral" if kind == "quirky asc" else "square-barion"
     assert len(load_design_file(path).facets) == sum(facets_in(own))
 
     @settings(
-        max_examples=EXAMPLES,
+        max_examples=examples,
         deadline=None,
         database=None,
         # The same ones every time, unless more are asked for.
-        derandomize="GEMRENDER_DAMAGED" not in os.environ,
+        derandomize=not ASKED,
         suppress_health_check=list(HealthCheck),
     )
     @given(data=st.data())

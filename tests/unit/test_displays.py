@@ -12,13 +12,14 @@ import pytest
 from displays_help import boxes, measured_stone, overlaps, texts
 from matplotlib import image
 from solids import BRILLIANTS
-from thorough import chosen
+from thorough import chosen, some
 
 from gemrender.cuts import RoundBrilliant, load_stone, stone_from_vertices
 from gemrender.cuts.round_brilliant.topology import FACET_KINDS, GIRDLE, TRIANGLES, VERTEX_LABELS
 from gemrender.errors import InputError
 from gemrender.observation import Model, RayStatus
 from gemrender.reference import full_paths
+from gemrender.report import displays
 from gemrender.report.brilliant.triangles import visible_triangles
 from gemrender.report.brilliant.vertices import VERTEX_CODES, visible_vertices
 from gemrender.report.dimensions import dimensions
@@ -99,18 +100,20 @@ def test_extreme_stones_draw(extreme, what):
     draw(Stone.from_proportions(EXTREMES[extreme], name=extreme), what).canvas.draw()
 
 
-def test_the_map_is_that_of_the_report(tmp_path):
+@pytest.mark.parametrize("formats", chosen(["png svg", "png svg pdf"], ["png svg"]))
+def test_the_map_is_that_of_the_report(formats, tmp_path):
+    formats = formats.split()
     written = write_display(
-        stone_named("inoue-3"), "map", tmp_path, "x", formats=FORMATS, engine="reference", resolution=32
+        stone_named("inoue-3"), "map", tmp_path, "x", formats=formats, engine="reference", resolution=32
     )
-    assert [path.name for path in written] == ["x-map.png", "x-map.svg", "x-map.pdf"]
+    assert [path.name for path in written] == [f"x-map.{ending}" for ending in formats]
     assert all(path.stat().st_size > 10_000 for path in written)
 
 
 # ---- Outline ----
 
 
-@pytest.mark.parametrize("bundled", BRILLIANTS)
+@pytest.mark.parametrize("bundled", some(BRILLIANTS, 4))
 def test_the_outline_says_the_proportions(bundled):
     p = stone_named(bundled).proportions
     said = texts(drawn(bundled, "outline"))
@@ -420,8 +423,11 @@ def test_in_a_plane_of_symmetry_the_fan_stays_in_it():
 FILES = [*((what, ("svg",)) for what in DRAWINGS), *((what, FORMATS) for what in DRAWINGS)]
 
 
-@pytest.mark.parametrize(("what", "formats"), chosen(FILES, [*FILES[: len(DRAWINGS)], ("outline", FORMATS)]))
-def test_files(what, formats, tmp_path):
+@pytest.mark.parametrize(
+    ("what", "formats"), chosen(FILES, [*FILES[1 : len(DRAWINGS)], ("outline", FORMATS)])
+)
+def test_files(what, formats, tmp_path, monkeypatch):
+    monkeypatch.setattr(displays, "draw", lambda _, what: drawn("inoue-3", what))
     written = write_display(stone_named("inoue-3"), what, tmp_path, "stem", formats=formats)
     assert [path.name for path in written] == [f"stem-{what}.{suffix}" for suffix in formats]
     assert sorted(tmp_path.iterdir()) == sorted(written)
@@ -442,7 +448,7 @@ def test_the_same_picture_is_the_same_file(tmp_path):
 
 def test_a_name_that_no_font_has_and_mathematics(tmp_path):
     stone = stone_named("inoue-3")
-    for title in ("井上 \U0001f48e", "$\\frac{", "x" * 150, "<b>&"):
+    for title in ("井上 \U0001f48e $\\frac{$ <b>&", "x" * 150):
         named = Stone.from_proportions(stone.proportions, name=title)
         [path] = write_display(named, "shape", tmp_path, "s", formats=("svg",))
         ElementTree.parse(path)

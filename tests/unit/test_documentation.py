@@ -40,6 +40,7 @@ CHEAPER: dict[str, dict[str, str | None]] = {
     "tolerance": {"--draws": "2"},
     "tilt": {"--to": "4", "--step": "4"},
     "score": {"--resolution": "32"},
+    "crosscheck": {"--resolution": "32"},
     "compare": {"--resolution": "32"},
     "report": {"--resolution": "32"},
     "atlas": {"--dry-run": ""},
@@ -50,6 +51,7 @@ ALWAYS = {
     "symmetry": ("--draws",),
     "tolerance": ("--draws",), "tilt": ("--to", "--step"), "compare": ("--resolution",),
     "report": ("--resolution",), "score": ("--resolution",), "atlas": ("--dry-run",),
+    "crosscheck": ("--resolution",),
 }  # fmt: skip
 #: Half a second and more each: run on request.
 SLOW = {

@@ -6,8 +6,6 @@ from dataclasses import MISSING, fields
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from thorough import chosen
 
 from gemrender.cuts.construction.meet_points import LEAST_SHARE, MEET
@@ -30,18 +28,20 @@ STEP, DIFFERENCE = 1e-4, 1e-6
 TINY = 1e-30
 
 
-def draws(kind: type[Family]) -> st.SearchStrategy[dict]:
-    """Draw values of all parameters from their whole ranges."""
-    parts = {}
+def draw(kind: type[Family], rng: np.random.Generator) -> dict:
+    """Draw values of all parameters from their whole ranges, now and then from their ends."""
+    drawn = {}
     for part in fields(kind):
         if "allowed" in part.metadata:
-            parts[part.name] = st.sampled_from(part.metadata["allowed"])
+            allowed = part.metadata["allowed"]
+            drawn[part.name] = allowed[rng.integers(len(allowed))]
         else:
             assert not part.metadata["many"]
-            low, high = part.metadata["range"]
-            numbers = st.floats(low, high)
-            parts[part.name] = st.just(0.0) | numbers if part.metadata["or_zero"] else numbers
-    return st.fixed_dictionaries(parts)
+            ends = part.metadata["range"]
+            special = [*ends, *([0.0] * 5 if part.metadata["or_zero"] else [])]
+            is_special = rng.random() < 0.05 * len(special)
+            drawn[part.name] = special[rng.integers(len(special))] if is_special else rng.uniform(*ends)
+    return drawn
 
 
 @pytest.mark.parametrize("kind", FAMILIES.values(), ids=FAMILIES)
@@ -53,21 +53,19 @@ def test_every_parameter_has_a_default_and_the_family_alone_is_a_stone(kind):
     assert stone.cut in (kind(), getattr(kind(), "proportions", kind)())
 
 
-@pytest.mark.parametrize("examples", chosen([25, 200], [25]))
+@pytest.mark.parametrize("examples", chosen([20, 200], [20]))
 @pytest.mark.parametrize("kind", FAMILIES.values(), ids=FAMILIES)
 def test_over_the_whole_range_it_is_a_convex_stone_or_one_line(kind, examples):
     made, refused = 0, []
 
-    @settings(max_examples=examples, deadline=None, derandomize=True)
-    @given(draws(kind))
-    def holds(values):
-        nonlocal made
+    rng = np.random.default_rng(1)
+    for _ in range(examples):
         try:
-            cut = kind(**values)
+            cut = kind(**draw(kind, rng))
             stone = cut.stone()
         except InputError as error:
             refused.append(str(error))
-            return
+            continue
         made += 1
         construction = cut.construction()
         planes, points = construction.planes, construction.points
@@ -77,7 +75,7 @@ def test_over_the_whole_range_it_is_a_convex_stone_or_one_line(kind, examples):
             assert np.abs(above[list(corners), number]).max() <= MEET
         assert len(set(stone.facet_names)) == len(stone.facets)
         if stone.is_round:
-            return
+            continue
         body = intersect(planes)
         # Every facet bounds the stone, and meets others in the very points that were placed.
         assert body.bounds.all()
@@ -87,9 +85,7 @@ def test_over_the_whole_range_it_is_a_convex_stone_or_one_line(kind, examples):
         outline = body.crosses[planes[:, 2] > MEET, 2].sum()
         free = np.array([kind in ("girdle", "culet") for kind in construction.kinds])
         assert body.areas[~free].min() >= LEAST_SHARE * outline * (1 - ROUNDING)
-
-    holds()
-    assert made >= examples // 5
+    assert made >= examples // 3
     assert not any("\n" in line for line in refused)
 
 

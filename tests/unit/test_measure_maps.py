@@ -175,7 +175,7 @@ def test_a_map_without_the_stone_is_refused():
 
 def test_the_exr_has_every_channel_and_says_what_it_is(tmp_path):
     maps = maps_of(PEAR, "aset,iso,dispersion", resolution=16, head=12.0)
-    write_measure_maps(maps, tmp_path, "pear")
+    write_measure_maps(maps, tmp_path, "pear", formats=())
     with OpenEXR.File(str(tmp_path / "pear-measures.exr"), separate_channels=True) as file:
         header, channels = file.header(), file.channels()
         assert set(channels) == {"coverage", *maps.channels()}
@@ -221,7 +221,7 @@ def test_what_has_no_value_is_on_no_scale():
 
 
 def test_every_kind_of_measure_has_a_picture(tmp_path):
-    maps = maps_of(STONE, ["inoue", "aset", "extinction", Everything()], resolution=16)
+    maps = maps_of(STONE, ["inoue", "aset", Everything()], resolution=16)
     written = write_measure_maps(maps, tmp_path, "round")
     assert [path.name for path in written] == [
         *(f"round-map-{measure.name}.png" for measure in maps.measures), "round-measures.exr",

@@ -9,6 +9,7 @@ import math
 import numpy as np
 import pytest
 from solids import BRILLIANTS, half_space_volume
+from thorough import chosen
 from tolerances import MESH_VOLUME, QUADRATURE_VOLUME, ROUNDING
 
 from gemrender.cuts import load_stone
@@ -131,7 +132,7 @@ def test_directions():
 
 @pytest.mark.parametrize("pose", POSES)
 @pytest.mark.parametrize("azimuth", AZIMUTHS)
-@pytest.mark.parametrize("gap", [0.01, 0.4, 3.0])
+@pytest.mark.parametrize("gap", chosen([0.01, 0.4, 3.0], [0.4]))
 def test_a_row_goes_from_left_to_right_with_its_gaps(pose, azimuth, gap):
     row = laid(ROW, pose, azimuth=azimuth, gap=gap, facing=20.0, sizes=[1.0, 0.6, 1.7])
     assert [placed.name for placed in row] == [stone.name for stone in ROW]
@@ -279,7 +280,9 @@ def camera_of(kind, **options):
 @pytest.mark.parametrize(("width", "height"), [(64, 64), (90, 30), (30, 90)])
 @pytest.mark.parametrize(
     ("stones", "elevation", "azimuth"),
-    [(3, 90, -90), (1, 32, -90), (3, 0, 20), (1, -90, 0), (2, 89.999, 200)],
+    chosen(
+        [(3, 90, -90), (1, 32, -90), (3, 0, 20), (1, -90, 0), (2, 89.999, 200)], [(1, 32, -90), (3, 0, 20)]
+    ),
 )
 def test_all_vertices_are_in_the_picture_with_the_margin(
     kind, width, height, stones, elevation, azimuth, variant_llvm_ad_spectral
@@ -309,7 +312,9 @@ def test_the_picture_shows_the_row_from_left_to_right_and_up_is_up(
 
 
 @pytest.mark.parametrize("kind", CAMERAS)
-@pytest.mark.parametrize(("stones", "elevation"), [(1, 5), (1, 90), (3, 5), (3, 40)])
+@pytest.mark.parametrize(
+    ("stones", "elevation"), chosen([(1, 5), (1, 90), (3, 5), (3, 40)], [(1, 90), (3, 5)])
+)
 def test_a_turntable_leaves_room_for_all_turns(kind, stones, elevation, variant_llvm_ad_spectral):
     camera = camera_of(kind, elevation=elevation, distance=20.0, margin=1.1)
     gems, setup = make_gems(ROW[:stones]), setup_of(camera)
@@ -323,7 +328,7 @@ def test_a_turntable_leaves_room_for_all_turns(kind, stones, elevation, variant_
 
 
 @pytest.mark.parametrize("kind", CAMERAS)
-@pytest.mark.parametrize("distance", [0.1, 0.3])
+@pytest.mark.parametrize("distance", chosen([0.1, 0.3], [0.3]))
 @pytest.mark.parametrize("pose", POSES)
 def test_a_camera_inside_a_stone_is_refused(kind, distance, pose, variant_llvm_ad_spectral):
     gems = make_gems(ROW[:1])

@@ -18,7 +18,7 @@ from gemrender.cuts.round_brilliant.topology import (
     TRIANGLES,
 )
 from gemrender.report.displays.labels import Label, fits, place_labels
-from gemrender.report.displays.page import PAPER, draw_lines, three_views
+from gemrender.report.displays.page import PAPER, draw_lines, fill_facets, three_views
 from gemrender.report.displays.projection import EDGE_ON, StoneView
 from gemrender.report.palettes import BRILLIANT_TINTS, draw_swatch
 from gemrender.stone import Stone
@@ -68,9 +68,7 @@ def visible_triangles(stone: Stone, view: StoneView) -> list[int]:
 
 
 def _draw_triangles(axes: Axes, stone: Stone, view: StoneView) -> None:
-    for facet, polygon in zip(view.facets, view.polygons, strict=True):
-        colour = BRILLIANT_TINTS[FACET_KINDS[facet]]
-        axes.fill(*polygon.T, facecolor=colour, edgecolor=colour, linewidth=0.4, zorder=1)
+    fill_facets(axes, view, [BRILLIANT_TINTS[FACET_KINDS[facet]] for facet in view.facets])
     shown = visible_triangles(stone, view)
     flat = view.projection.flat(stone.vertices)
     from_side = bool(view.projection.up[2])

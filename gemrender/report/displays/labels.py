@@ -11,6 +11,7 @@ import numpy as np
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.text import Text
+    from matplotlib.transforms import Bbox
 
 __all__ = ["Label", "fits", "largest_fit", "place_labels", "text_boxes", "write_with_room"]
 
@@ -113,7 +114,8 @@ def place_labels(
             *label.at, label.text, fontsize=fontsize, color=label.colour or colour, ha="center",
             va="center_baseline", zorder=10, **font,
         )  # fmt: skip
-        half = _extent(text) / 2 + PADDING * unit
+        box = text.get_window_extent(_renderer(text))
+        half = np.array([box.width, box.height]) / 2 + PADDING * unit
         own = spots[number]
         centre, polygon = None, None
         if label.polygon is not None:
@@ -128,7 +130,7 @@ def place_labels(
             centre = _cheapest(own, label.towards, half, unit, line_cost, pieces, others, taken, leaders)
             gap = _gap(own, centre, half)
             led = gap > DISTANCES[1] * unit
-        _move(text, centre, axes)
+        _move(text, box, centre, axes)
         taken.append(np.concatenate([centre - half, centre + half]))
         if led:
             end = _towards_box(own, centre, half - 0.6 * PADDING * unit)
@@ -187,7 +189,8 @@ def largest_fit(axes: Axes, label: Label, sizes: Sequence[float]) -> float | Non
     if not sizes:
         return None
     text = axes.text(0, 0, label.text, fontsize=sizes[0])
-    half = _extent(text) / 2
+    box = text.get_window_extent(_renderer(text))
+    half = np.array([box.width, box.height]) / 2
     text.remove()
     for size in sizes:
         if _room(polygon, half * (size / sizes[0]) + PADDING * unit, []) is not None:
@@ -212,14 +215,8 @@ def _renderer(text: Text) -> Any:
     return canvas.get_renderer()
 
 
-def _extent(text: Text) -> np.ndarray:
-    box = text.get_window_extent(_renderer(text))
-    return np.array([box.width, box.height])
-
-
-def _move(text: Text, centre: np.ndarray, axes: Axes) -> None:
+def _move(text: Text, box: Bbox, centre: np.ndarray, axes: Axes) -> None:
     """Put the middle of the text's box at a place of the page."""
-    box = text.get_window_extent(_renderer(text))
     place = axes.transData.transform(text.get_position())
     shift = centre - np.array([(box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2])
     text.set_position(axes.transData.inverted().transform(place + shift))
@@ -367,7 +364,10 @@ def _room(polygon: np.ndarray, half: np.ndarray, taken: list[np.ndarray]) -> np.
     grid = np.stack(np.meshgrid(*[np.linspace(a, b, 41) for a, b in zip(low, high, strict=True)]), axis=-1)
     places = np.concatenate([middle[None], grid.reshape(-1, 2)])
     room = (offset - places @ normal.T).min(axis=1)
+    most = room.max()
     for box in taken:
+        if np.maximum(box[:2] - half - high, low - half - box[2:]).max() >= most:
+            continue  # too far away to matter
         clear = np.maximum(box[:2] - half - places, places - half - box[2:]).max(axis=1)
         room = np.minimum(room, clear)
     best = int(np.argmax(room))

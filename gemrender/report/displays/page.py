@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["DARK", "PAPER", "Page", "Theme", "draw_lines", "stone_extent", "three_views"]
+__all__ = ["DARK", "PAPER", "Page", "Theme", "draw_lines", "fill_facets", "stone_extent", "three_views"]
 
 #: Resolution of PNG files [pixels per inch].
 DPI = 160
@@ -180,6 +180,16 @@ def three_views(
         page.caption(x, y + 0.1, column, projection.name)
     legend(page.axes(right, bottom, column, lower))
     return page.figure
+
+
+def fill_facets(axes: Axes, view: StoneView, colours: Sequence[Any]) -> None:
+    """Fill the facets that are seen, each with its colour, in their order."""
+    from matplotlib.collections import PolyCollection
+
+    axes.add_collection(
+        PolyCollection(view.polygons, facecolors=colours, edgecolors=colours, linewidths=0.4, zorder=1),
+        autolim=False,
+    )
 
 
 def draw_lines(

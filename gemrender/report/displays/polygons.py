@@ -6,7 +6,7 @@ from collections import Counter
 from typing import TYPE_CHECKING
 
 from gemrender.report.displays.labels import Label, largest_fit, place_labels, text_boxes
-from gemrender.report.displays.page import PAPER, draw_lines, three_views
+from gemrender.report.displays.page import PAPER, draw_lines, fill_facets, three_views
 from gemrender.report.displays.projection import StoneView
 from gemrender.report.palettes import draw_swatch, kind_tints
 from gemrender.stone import Stone
@@ -40,11 +40,10 @@ def polygons_figure(stone: Stone) -> Figure:
 
 def _draw_facets(axes: Axes, stone: Stone, view: StoneView, tints: dict[tuple[str, str], str]) -> list[int]:
     """Draw the visible facets and their names; return those that have theirs."""
+    facets = [stone.facets[number] for number in view.facets]
+    fill_facets(axes, view, [tints[facet.side, facet.kind] for facet in facets])
     by_size: dict[float, list[tuple[int, Label]]] = {}
-    for number, polygon in zip(view.facets, view.polygons, strict=True):
-        facet = stone.facets[number]
-        colour = tints[facet.side, facet.kind]
-        axes.fill(*polygon.T, facecolor=colour, edgecolor=colour, linewidth=0.4, zorder=1)
+    for number, facet, polygon in zip(view.facets, facets, view.polygons, strict=True):
         label = Label(text=facet.name.replace("_", " "), at=polygon.mean(axis=0), polygon=polygon)
         size = largest_fit(axes, label, _SIZES)
         if size is not None:

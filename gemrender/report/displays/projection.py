@@ -113,18 +113,18 @@ def look_at(stone: Stone, projection: Projection) -> StoneView:
     """
     mesh = _mesh(stone)
     near = _face_normals(mesh) @ projection.eye > EDGE_ON
-    left, right = _edge_faces(mesh)
+    ends, sides = _edges(stone)
+    count = near[sides].sum(axis=1)
+    pairs = np.sort(mesh.face_facet[sides], axis=1)
+    drawn = (pairs[:, 0] != pairs[:, 1]) | (count == 1)  # not those within a facet
     chains: dict[str, dict[tuple[int, int], list[tuple[int, int]]]] = {
         kind: defaultdict(list) for kind in ("visible", "outline", "hidden")
     }
-    for edge, first in left.items():
-        second = right[edge]
-        pair = sorted((int(mesh.face_facet[first]), int(mesh.face_facet[second])))
-        count = int(near[first]) + int(near[second])
-        if pair[0] == pair[1] and count != 1:
-            continue  # within a facet
-        kind = ("hidden", "outline", "visible")[count]
-        chains[kind][pair[0], pair[1]].append(edge)
+    kinds = ("hidden", "outline", "visible")
+    for (a, b), (one, other), k in zip(
+        ends[drawn].tolist(), pairs[drawn].tolist(), count[drawn].tolist(), strict=True
+    ):
+        chains[kinds[k]][one, other].append((a, b))
 
     flat = projection.flat(mesh.vertices)
     lines: dict[str, list[np.ndarray]] = {kind: [] for kind in chains}
@@ -205,7 +205,7 @@ def section(stone: Stone, azimuth_deg: float) -> np.ndarray:
     view = side(azimuth_deg)
     depth = mesh.vertices @ view.eye
     depth[np.abs(depth) < EDGE_ON] = 0.0
-    ends = np.array(list(_edge_faces(mesh)[0]))
+    ends, _ = _edges(stone)
     a, b = depth[ends].T
     crossing = a * b < 0
     start, end = mesh.vertices[ends[crossing]].transpose(1, 0, 2)
@@ -232,17 +232,17 @@ def _face_normals(mesh: StoneMesh) -> np.ndarray:
     return np.where(planar, mesh.face_normals, normals)
 
 
-def _edge_faces(mesh: StoneMesh) -> tuple[dict[tuple[int, int], int], dict[tuple[int, int], int]]:
-    """Return the faces to the left and to the right of each edge, whose lower vertex comes first."""
-    left: dict[tuple[int, int], int] = {}
-    right: dict[tuple[int, int], int] = {}
-    for number, face in enumerate(mesh.faces.tolist()):
-        for a, b in zip(face, (*face[1:], face[0]), strict=True):
-            if a < b:
-                left[a, b] = number
-            else:
-                right[b, a] = number
-    return left, right
+@lru_cache(maxsize=2)
+def _edges(stone: Stone) -> tuple[np.ndarray, np.ndarray]:
+    """Return the ends of each edge, (e, 2), the lower vertex first, and the faces left and right of it."""
+    mesh = _mesh(stone)
+    start, end = mesh.faces.reshape(-1), np.roll(mesh.faces, -1, axis=1).reshape(-1)
+    face = np.repeat(np.arange(len(mesh.faces)), 3)
+    up = start < end
+    key = np.minimum(start, end) * len(mesh.vertices) + np.maximum(start, end)
+    back = np.argsort(key[~up])
+    right = face[~up][back][np.searchsorted(key[~up], key[up], sorter=back)]
+    return np.column_stack([start[up], end[up]]), np.column_stack([face[up], right])
 
 
 def _chains(edges: list[tuple[int, int]]) -> list[list[int]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -37,9 +38,14 @@ def text_colour(path: RayPath) -> Any:
 
 
 def _red(intensity: float) -> Any:
+    return _reds()(np.clip(intensity / 100, 0, 1))
+
+
+@cache
+def _reds() -> Any:
     from matplotlib.colors import LinearSegmentedColormap
 
-    return LinearSegmentedColormap.from_list("gemrender_rays", RAY_COLOURS)(np.clip(intensity / 100, 0, 1))
+    return LinearSegmentedColormap.from_list("gemrender_rays", RAY_COLOURS)
 
 
 def intensity_text(path: RayPath) -> str:
@@ -53,13 +59,17 @@ def intensity_text(path: RayPath) -> str:
 
 def draw_scale(page: Page, left: float, bottom: float, width: float) -> None:
     """Draw the scale of intensity: red from 0 to 100, white for rear light apart."""
+    from matplotlib.collections import PolyCollection
+
     axes = page.axes(left, bottom, width, 0.62)
     steps, start = 100, 1.05
     length = width - start - 0.15
-    for i in range(steps):  # each reaches under the next: no seams
-        ends = [start + length * i / steps, start + length * min(i + 2, steps) / steps]
-        axes.fill_between(ends, 0.0, 0.16, facecolor=_red(100 * (i + 0.5) / steps), linewidth=0, zorder=1 + i)
-    axes.fill_between([0.1, 0.6], 0.0, 0.16, facecolor=REAR_COLOUR, linewidth=0)
+    ends = [(0.1, 0.6)]
+    # Each reaches under the next: no seams.
+    ends += [(start + length * i / steps, start + length * min(i + 2, steps) / steps) for i in range(steps)]
+    fields = [[(low, 0.0), (high, 0.0), (high, 0.16), (low, 0.16)] for low, high in ends]
+    colours = [REAR_COLOUR, *(_red(100 * (i + 0.5) / steps) for i in range(steps))]
+    axes.add_collection(PolyCollection(fields, facecolors=colours, linewidths=0), autolim=False)
     axes.text(0.35, -0.08, "rear, 0", fontsize=9.5, color=DARK.soft, ha="center", va="top")
     for tick in range(0, 101, 25):
         x = start + length * tick / 100

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gemrender.report.displays.page import PAPER, Page, draw_lines, stone_extent
+from gemrender.report.displays.page import PAPER, Page, draw_lines, fill_facets, stone_extent
 from gemrender.report.displays.projection import CROWN, OBLIQUE, PAVILION, Projection, look_at, side
 from gemrender.stone import Stone
 
@@ -46,9 +46,7 @@ def shape_figure(stone: Stone) -> Figure:
     ):
         axes = page.view(x, y + 0.3, column, rows - 0.3, scale=SCALE, centre=(0.0, centre))
         view = look_at(stone, projection)
-        for facet, polygon in zip(view.facets, view.polygons, strict=True):
-            grey = _grey(stone, facet, projection)
-            axes.fill(*polygon.T, facecolor=grey, edgecolor=grey, linewidth=0.4, zorder=1)
+        fill_facets(axes, view, [_grey(stone, facet, projection) for facet in view.facets])
         draw_lines(axes, view, PAPER)
         page.caption(x, y + 0.12, column, projection.name)
     return page.figure
