@@ -100,14 +100,17 @@ class Windows:
     browser: Any
     contexts: dict[bool, Any] = field(default_factory=dict)
 
-    def open(self, file: Path, link: str = "", *, phone: bool = False, dark: bool = False) -> Opened:
-        """Open a page in a window of its own, with a link's end such as "#x=0.1"."""
+    def open(
+        self, file: Path, link: str = "", *, phone: bool = False, dark: bool = False, script: str = ""
+    ) -> Opened:
+        """Open a page in a window of its own, with a link's end such as "#x=0.1", after a script."""
         if phone not in self.contexts:
             self.contexts[phone] = self.browser.new_context(
                 viewport=PHONE if phone else WINDOW, has_touch=phone, accept_downloads=True
             )
         page = self.contexts[phone].new_page()
         page.emulate_media(color_scheme="dark" if dark else "light")
+        page.add_init_script(script)
         seen = Opened(page)
         address = file.as_uri()
 
