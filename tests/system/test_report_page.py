@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import typer
 from any_stones import design, hollow_stone
-from browser_help import CONTRASTS, LEAST_CONTRAST, PHONE, Opened, page_data
+from browser_help import CONTRASTS, COUNT, LEAST_CONTRAST, PHONE, PIXELS, Opened, page_data
 from observations import observation as made_observation
 from thorough import chosen
 from typer.testing import CliRunner
@@ -124,24 +124,6 @@ def test01_loads_without_errors_and_without_requests(shared, pages, name):
     assert seen.page.evaluate("performance.getEntriesByType('resource').length") == 0
 
 
-PIXELS = """(canvas) => {
-    const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
-    const told = { bright: 0, red: 0, changed: 0, deviation: 0 };
-    let [sum, squares] = [0, 0];
-    for (let i = 0; i < data.length; i += 4) {
-        const [r, g, b] = data.subarray(i, i + 3);
-        told.bright += Math.min(r, g, b) > 120;
-        told.red += r > 150 && g < 110;
-        told.changed += Boolean(window.first) && [0, 1, 2].some((k) => window.first[i + k] !== data[i + k]);
-        sum += r + g + b;
-        squares += (r + g + b) ** 2;
-    }
-    window.first ??= data;
-    const mean = sum / (data.length / 4);
-    return { ...told, deviation: Math.sqrt(squares / (data.length / 4) - mean ** 2) };
-}"""
-
-
 def test02_the_stone_is_drawn(opened, pages):
     seen = opened(pages["one"])
     assert seen.page.locator(".failure").is_hidden()
@@ -159,17 +141,6 @@ def test02_the_stone_is_drawn(opened, pages):
     seen.canvas("stage").focus()
     assert pixels("ArrowLeft")["changed"] > 5000, "does not turn"
     assert pixels("0")["changed"] == 0, "0 does not bring it back"
-
-
-COUNT = """(() => {
-    const { drawImage } = CanvasRenderingContext2D.prototype;
-    window.drawn = { map: 0, stage: 0 };
-    CanvasRenderingContext2D.prototype.drawImage = function (...all) {
-        const panel = this.canvas.closest('.panel');
-        if (panel) drawn[panel.classList.contains('map') ? 'map' : 'stage'] += 1;
-        return drawImage.apply(this, all);
-    };
-})()"""
 
 
 def test02_what_changed_is_drawn_and_once(opened, pages):
