@@ -48,6 +48,35 @@ CONTRASTS = """() => {
         });
 }"""
 
+#: What a canvas shows, and how much of that has changed since it was asked first.
+PIXELS = """(canvas) => {
+    const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+    const told = { bright: 0, red: 0, changed: 0, deviation: 0 };
+    let [sum, squares] = [0, 0];
+    for (let i = 0; i < data.length; i += 4) {
+        const [r, g, b] = data.subarray(i, i + 3);
+        told.bright += Math.min(r, g, b) > 120;
+        told.red += r > 150 && g < 110;
+        told.changed += Boolean(window.first) && [0, 1, 2].some((k) => window.first[i + k] !== data[i + k]);
+        sum += r + g + b;
+        squares += (r + g + b) ** 2;
+    }
+    window.first ??= data;
+    const mean = sum / (data.length / 4);
+    return { ...told, deviation: Math.sqrt(squares / (data.length / 4) - mean ** 2) };
+}"""
+
+#: Counts the drawings of maps and of stages.
+COUNT = """(() => {
+    const { drawImage } = CanvasRenderingContext2D.prototype;
+    window.drawn = { map: 0, stage: 0 };
+    CanvasRenderingContext2D.prototype.drawImage = function (...all) {
+        const panel = this.canvas.closest('.panel');
+        if (panel) drawn[panel.classList.contains('map') ? 'map' : 'stage'] += 1;
+        return drawImage.apply(this, all);
+    };
+})()"""
+
 #: What was asked for is drawn in the next frame, or the one after where a stone comes into sight first.
 FRAMES = """() => new Promise((drawn) => {
     requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(drawn)));
@@ -100,14 +129,17 @@ class Windows:
     browser: Any
     contexts: dict[bool, Any] = field(default_factory=dict)
 
-    def open(self, file: Path, link: str = "", *, phone: bool = False, dark: bool = False) -> Opened:
-        """Open a page in a window of its own, with a link's end such as "#x=0.1"."""
+    def open(
+        self, file: Path, link: str = "", *, phone: bool = False, dark: bool = False, script: str = ""
+    ) -> Opened:
+        """Open a page in a window of its own, with a link's end such as "#x=0.1", after a script."""
         if phone not in self.contexts:
             self.contexts[phone] = self.browser.new_context(
                 viewport=PHONE if phone else WINDOW, has_touch=phone, accept_downloads=True
             )
         page = self.contexts[phone].new_page()
         page.emulate_media(color_scheme="dark" if dark else "light")
+        page.add_init_script(script)
         seen = Opened(page)
         address = file.as_uri()
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import typer
 from any_stones import design, hollow_stone
-from browser_help import CONTRASTS, LEAST_CONTRAST, Opened, page_data
+from browser_help import CONTRASTS, COUNT, LEAST_CONTRAST, PHONE, PIXELS, Opened, page_data
 from observations import observation as made_observation
 from thorough import chosen
 from typer.testing import CliRunner
@@ -124,24 +124,6 @@ def test01_loads_without_errors_and_without_requests(shared, pages, name):
     assert seen.page.evaluate("performance.getEntriesByType('resource').length") == 0
 
 
-PIXELS = """(canvas) => {
-    const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
-    const told = { bright: 0, red: 0, changed: 0, deviation: 0 };
-    let [sum, squares] = [0, 0];
-    for (let i = 0; i < data.length; i += 4) {
-        const [r, g, b] = data.subarray(i, i + 3);
-        told.bright += Math.min(r, g, b) > 120;
-        told.red += r > 150 && g < 110;
-        told.changed += Boolean(window.first) && [0, 1, 2].some((k) => window.first[i + k] !== data[i + k]);
-        sum += r + g + b;
-        squares += (r + g + b) ** 2;
-    }
-    window.first ??= data;
-    const mean = sum / (data.length / 4);
-    return { ...told, deviation: Math.sqrt(squares / (data.length / 4) - mean ** 2) };
-}"""
-
-
 def test02_the_stone_is_drawn(opened, pages):
     seen = opened(pages["one"])
     assert seen.page.locator(".failure").is_hidden()
@@ -159,6 +141,36 @@ def test02_the_stone_is_drawn(opened, pages):
     seen.canvas("stage").focus()
     assert pixels("ArrowLeft")["changed"] > 5000, "does not turn"
     assert pixels("0")["changed"] == 0, "0 does not bring it back"
+
+
+def test02_what_changed_is_drawn_and_once(opened, pages):
+    seen = opened(pages["two"], script=COUNT)
+
+    def drawn() -> tuple[int, int]:
+        for _ in range(2):
+            seen.settle()
+        told = seen.page.evaluate("Object.assign({}, drawn)")
+        seen.page.evaluate("drawn.map = drawn.stage = 0")
+        return told["map"], told["stage"]
+
+    assert drawn() == (2, 2), "opening"
+    seen.click(0.99, 0.99)
+    assert drawn() == (2, 2), "another ray, in a table of fewer rows"
+    seen.canvas("stage").focus()
+    seen.page.keyboard.press("ArrowLeft")
+    assert drawn() == (0, 1), "a stone turned"
+    seen.page.locator("[data-lines]").first.click()
+    assert drawn() == (1, 0), "lines over a map"
+    seen.page.locator(".shares tbody tr").first.hover()
+    assert drawn() == (4, 0), "a band of light: over what is fainter, in both maps"
+    seen.page.mouse.move(0, 0)
+    seen.page.set_viewport_size(PHONE)
+    seen.page.evaluate("scrollTo(0, 0)")
+    drawn()
+    seen.page.evaluate("location.hash = 'x=0.2&y=0.1'")
+    assert drawn() == (1, 1), "the other stone is out of sight"
+    seen.page.evaluate("GemPage.cards[1].root.scrollIntoView()")
+    assert drawn() == (1, 1), "and in sight"
 
 
 # That the page's tracer is right of the others too is below.

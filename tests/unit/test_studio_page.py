@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import json
 import queue
 import threading
 import time
@@ -10,7 +11,7 @@ from contextlib import contextmanager, suppress
 
 import numpy as np
 import pytest
-from browser_help import CHROMIUM, CONTRASTS, FLAGS, LEAST_CONTRAST
+from browser_help import CHROMIUM, CONTRASTS, FLAGS, LEAST_CONTRAST, WINDOW
 from echo_painter import echoing
 
 import gemrender
@@ -54,13 +55,16 @@ def running(port=0):
 
 
 @pytest.fixture(scope="module")
-def browser():
+def context():
+    """One for all pages: they share a process, which takes long to start."""
     if CHROMIUM is None:
         pytest.skip("no Chromium here")
     with playwright.sync_playwright() as started:
-        made = started.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        browser = started.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        made = browser.new_context(viewport=WINDOW, accept_downloads=True)
+        made.set_default_timeout(PATIENCE)
         yield made
-        made.close()
+        browser.close()
 
 
 def drawn(page, after=0):
@@ -70,16 +74,19 @@ def drawn(page, after=0):
 
 
 def until(page, expression):
-    """Wait for something; the page's own policy lets nobody evaluate text in it while it waits."""
-    end = time.monotonic() + PATIENCE / 1000
-    while not page.evaluate(expression):
-        assert time.monotonic() < end, expression
-        page.wait_for_timeout(20)
+    """Wait for something in the page: its own policy lets nobody evaluate text there, as Playwright would."""
+    page.evaluate(f"""() => new Promise((done, fail) => {{
+        const end = performance.now() + {PATIENCE};
+        const look = () => {{
+            if ({expression}) done();
+            else if (performance.now() > end) fail(new Error({json.dumps(expression)}));
+            else setTimeout(look, 20);
+        }};
+        look();
+    }})""")
 
 
-def test_the_page_is_used_by_hand_and_by_keys_and_outlives_its_server(browser):
-    context = browser.new_context(viewport={"width": 1400, "height": 900}, accept_downloads=True)
-    context.set_default_timeout(PATIENCE)
+def test_the_page_is_used_by_hand_and_by_keys_and_outlives_its_server(context):
     page, errors, asked = context.new_page(), [], []
     page.on("console", lambda message: message.type == "error" and errors.append(message.text))
     page.on("pageerror", lambda error: errors.append(str(error)))
@@ -158,14 +165,12 @@ def test_the_page_is_used_by_hand_and_by_keys_and_outlives_its_server(browser):
         page.wait_for_selector("#lost", state="hidden")
         page.press("#tilt", "ArrowRight")
         drawn(page, int(before))
-    context.close()
+    page.close()
 
 
-def test_a_picture_is_shown_saved_and_faded_while_something_moves(browser, monkeypatch):
+def test_a_picture_is_shown_saved_and_faded_while_something_moves(context, monkeypatch):
     png = png_bytes(np.full((8, 8, 3), 200, dtype=np.uint8))
     begun = echoing(monkeypatch, png)
-    context = browser.new_context(viewport={"width": 1400, "height": 900}, accept_downloads=True)
-    context.set_default_timeout(PATIENCE)
     page, errors = context.new_page(), []
     page.on("console", lambda message: message.type == "error" and errors.append(message.text))
     page.on("pageerror", lambda error: errors.append(str(error)))
@@ -204,7 +209,7 @@ def test_a_picture_is_shown_saved_and_faded_while_something_moves(browser, monke
         page.click("#undo")  # a picture that is wanted is a step of the history, and part of the link
         assert page.get_attribute("#paint", "aria-pressed") == "true"
         assert not errors
-    context.close()
+    page.close()
     assert all(process.wait(60) is not None for process in begun)
 
 
@@ -227,8 +232,7 @@ async ([script]) => {
 """
 
 
-def test_the_page_runs_in_a_notebooks_frame_and_reaches_nothing_of_it(browser):
-    context = browser.new_context(viewport={"width": 1000, "height": 700})
+def test_the_page_runs_in_a_notebooks_frame_and_reaches_nothing_of_it(context):
     page, errors, asked, sent = context.new_page(), [], [], queue.Queue()
     page.on("console", lambda message: message.type == "error" and errors.append(message.text))
     page.on("pageerror", lambda error: errors.append(str(error)))
@@ -289,4 +293,4 @@ def test_the_page_runs_in_a_notebooks_frame_and_reaches_nothing_of_it(browser):
         assert all(url.startswith(("blob:", "data:", "about:")) for url in asked), asked
     finally:
         session.close(wait=60)
-        context.close()
+        page.close()
