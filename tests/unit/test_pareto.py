@@ -61,6 +61,15 @@ def test_the_front_of_a_grid_is_found():
     assert found[0].tried == found[1].tried <= 20
 
 
+def test_a_search_ends_where_all_stones_are_known():
+    told = []
+    found = pareto_front(
+        STONE, GOALS, GRID, rounds=30, details=False, progress=lambda share, best: told.append(share)
+    )
+    assert found.tried == 20
+    assert len(told) < 30
+
+
 def test_a_front_goes_on_from_its_journal(tmp_path):
     journal = tmp_path / "front.jsonl"
     options = {"rounds": 2, "details": False, "journal": journal}
