@@ -56,7 +56,7 @@ ALWAYS = {
 #: Half a second and more each: run on request.
 SLOW = {
     "atlas", "compare", "improve", "render", "report", "scene", "sensitivity", "show", "symmetry", "tilt",
-    "tolerance", "--set", "stereo",
+    "tolerance", "--set", "stereo", "crosscheck", "--out",
 }  # fmt: skip
 #: Would serve until it is stopped.
 NOT_RUN = ("studio",)

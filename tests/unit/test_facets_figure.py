@@ -79,6 +79,12 @@ def drawn(key, colour="intensity"):
 
 
 @cache
+def scored(key):
+    name, tilt = VIEWS[key]
+    return score(stone_named(name), engine="exact", tilt=tilt, tilt_azimuth=25.0)
+
+
+@cache
 def traced(key):
     return trace_facets(stone_named(VIEWS[key][0]), view=view_of(key))
 
@@ -155,11 +161,9 @@ def test_every_virtual_facet_is_drawn_in_its_colour(key, colour):
 
 
 def test_the_number_that_is_written_is_that_of_the_polygons_and_of_the_score(key):
-    name, tilt = VIEWS[key]
     number = len(polygons(drawn(key)).get_paths())
     assert f"{number} virtual facets" in texts(drawn(key))
-    result = score(stone_named(name), engine="exact", tilt=tilt, tilt_azimuth=25.0)
-    assert result.facets.number == number
+    assert scored(key).facets.number == number
 
 
 def test_polygons_lie_within_the_outline(key):
@@ -206,7 +210,7 @@ def test_shares_make_a_hundred(key, colour):
 
 
 def test_shares_are_those_of_the_score_where_hardly_any_light_comes_near_the_girdle():
-    result = score(load_stone("inoue-3"), engine="exact")
+    result = scored("inoue-3")
     assert result.facets.near_girdle < WRITTEN
     *bands, rear, _ = legend(drawn("inoue-3")).values()
     assert bands == pytest.approx([band.share for band in result.bands], abs=2 * WRITTEN)
@@ -214,8 +218,7 @@ def test_shares_are_those_of_the_score_where_hardly_any_light_comes_near_the_gir
 
 
 def test_scores_are_written_with_their_bound(key):
-    name, tilt = VIEWS[key]
-    result = score(stone_named(name), engine="exact", tilt=tilt, tilt_azimuth=25.0)
+    result = scored(key)
     said = [text.get_text() for text in drawn(key).axes[1].texts]
     for heading, value in (("Average", result.average), ("Rear", result.rear)):
         written, bound = said[said.index(heading) + 1 :][:2]
