@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import contextlib
 import gc
+import re
 import sys
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -272,6 +273,7 @@ def test_tests_use_no_private_names():
     broken = [
         f"{path.relative_to(TESTS).as_posix()}: {name}"
         for path in paths
+        if re.search(r"\b_[A-Za-z]", path.read_text(encoding="utf-8"))  # others need no reading
         for name in private_names(nodes(path))
     ]
     assert not broken, "\n".join(broken)
