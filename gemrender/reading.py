@@ -412,13 +412,13 @@ def bundled_files(folder: str) -> dict[str, Path]:
     dict of str to Path
         File by its name without .toml, in alphabetical order; none where there is no such folder.
     """
-    return dict(_bundled_files(folder))
+    scenes = bundled_folder(folder)
+    return dict(_by_name(scenes)) if scenes else {}
 
 
 @cache  # half of the time that a bundled stone takes to load
-def _bundled_files(folder: str) -> dict[str, Path]:
-    scenes = bundled_folder(folder)
-    return {path.stem: path for path in sorted(scenes.glob("*.toml"))} if scenes else {}
+def _by_name(folder: Path) -> dict[str, Path]:
+    return {path.stem: path for path in sorted(folder.glob("*.toml"))}
 
 
 def bundled_folder(folder: str) -> Path | None:

@@ -67,6 +67,7 @@ def loaded(windows, page) -> Opened:
 @pytest.fixture
 def seen(loaded) -> Opened:
     """The page as it is without a link, with the mouse beside everything."""
+    loaded.page.bring_to_front()  # behind another one it is drawn once a second
     loaded.page.mouse.move(0, 0)
     follow(loaded, "#")
     yield loaded

@@ -83,11 +83,14 @@ def pages(observed, tmp_path_factory) -> dict[str, Path]:
 def shared(windows, pages) -> Callable[..., Opened]:
     """What opens a page once, for all tests that need no more of it than that the ray can be put anywhere."""
 
-    @cache
-    def open_once(name: str) -> Opened:
-        return windows.open(pages[name])
+    opened_once = cache(lambda name: windows.open(pages[name]))
 
-    return open_once
+    def in_front(name: str) -> Opened:
+        seen = opened_once(name)
+        seen.page.bring_to_front()  # a page behind another one is drawn once a second
+        return seen
+
+    return in_front
 
 
 def expected_path(seen: dict[str, Any], observation: Observation) -> RayPath:
