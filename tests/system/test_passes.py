@@ -59,7 +59,7 @@ def test_all_samples_are_counted(scene, spp):
 OF_NOISE = [("hemisphere", 16), ("arrows", 16), ("studio", 40)]
 
 
-@pytest.mark.parametrize(("setup", "number"), chosen(OF_NOISE, OF_NOISE[:2]))
+@pytest.mark.parametrize(("setup", "number"), chosen(OF_NOISE, OF_NOISE[:1]))
 def test_the_noise_is_the_error_on_the_stone(setup, number):
     """Stated of one picture, against the scatter of pictures of many seeds, with its jackknife error.
 

@@ -153,7 +153,7 @@ def test_equal_indices_are_fresnels_equations(kind):
     )
 
 
-@pytest.mark.parametrize("away", [1e-3, 1e-6, 1e-8, 1e-10, 1e-12, 0.0])
+@pytest.mark.parametrize("away", chosen([1e-3, 1e-6, 1e-8, 1e-10, 1e-12, 0.0], [1e-6, 1e-10, 0.0]))
 @pytest.mark.parametrize("birefringence", [0.3, 0.01, 1e-9, 0.0])
 def test_energy_next_to_the_optic_axis_of_a_uniaxial_crystal(birefringence, away):
     rng = np.random.default_rng(7)

@@ -312,9 +312,7 @@ def test_the_picture_shows_the_row_from_left_to_right_and_up_is_up(
 
 
 @pytest.mark.parametrize("kind", CAMERAS)
-@pytest.mark.parametrize(
-    ("stones", "elevation"), chosen([(1, 5), (1, 90), (3, 5), (3, 40)], [(1, 90), (3, 5)])
-)
+@pytest.mark.parametrize(("stones", "elevation"), chosen([(1, 5), (1, 90), (3, 5), (3, 40)], [(3, 5)]))
 def test_a_turntable_leaves_room_for_all_turns(kind, stones, elevation, variant_llvm_ad_spectral):
     camera = camera_of(kind, elevation=elevation, distance=20.0, margin=1.1)
     gems, setup = make_gems(ROW[:stones]), setup_of(camera)

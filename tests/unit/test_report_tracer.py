@@ -156,7 +156,7 @@ def compare_by(
 OF_KINDS = ["sample 2", "measured", "pear", "hollow", "hollow emerald"]
 
 
-@pytest.mark.parametrize("name", chosen(STONES, OF_KINDS))
+@pytest.mark.parametrize("name", chosen(STONES, OF_KINDS[1:4]))
 def test01_same_path_and_intensity(compare, name):
     compare(STONES[name]())
 

@@ -80,7 +80,7 @@ def test_a_bundled_setup_loads_and_names_its_source(name):
 
 @pytest.mark.parametrize("stones", chosen([1, 3], [3]))  # of one there are pictures
 # All of them are rendered by Mitsuba's own program, with two stones
-@pytest.mark.parametrize("name", chosen(BUNDLED, ["aset", "hand", "polariscope", "sun", "velvet", "white"]))
+@pytest.mark.parametrize("name", chosen(BUNDLED, ["aset", "polariscope", "white"]))
 def test_a_bundled_setup_makes_a_scene(name, stones, variant_llvm_ad_spectral):
     import mitsuba as mi
 
