@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import permutations
 
 import numpy as np
 
@@ -177,12 +178,11 @@ def reaches_into(triangles: np.ndarray, solid: Inside, depth: float) -> bool:
 
 def crosses(a: Inside, b: Inside) -> bool:
     """Return whether edges of one surface go through the other."""
-    hulls = {id(one): _hull(one.triangles) for one in (a, b)}
-    for one, other in ((a, b), (b, a)):
-        edges = _near(_edges(one.triangles), hulls[id(other)], 0)
-        if len(_cuts(edges, _near(other.triangles, hulls[id(one)], 0))[0]):
-            return True
-    return False
+    sides = [(of.triangles, _hull(of.triangles)) for of in (a, b)]
+    return any(
+        len(_cuts(_near(_edges(one), other_hull, 0), _near(other, one_hull, 0))[0])
+        for (one, one_hull), (other, other_hull) in permutations(sides)
+    )
 
 
 def _hull(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
