@@ -56,7 +56,7 @@ def test_all_samples_are_counted(scene, spp):
     assert passes.samples == spp
 
 
-OF_NOISE = [("hemisphere", 16), ("arrows", 16), ("studio", 40)]
+OF_NOISE = [("hemisphere", 8), ("arrows", 16), ("studio", 40)]
 
 
 @pytest.mark.parametrize(("setup", "number"), chosen(OF_NOISE, OF_NOISE[:1]))
@@ -150,7 +150,7 @@ def test_the_noise_does_not_count_what_is_beside_the_stone():
     found = []
     for width in (24, 96):
         passes = Passes(scene_of("hemisphere", width // 24), size=(width, 24))
-        for _ in range(4):
+        for _ in range(2):
             passes.add(16)
         found.append((passes.noise(), passes.stone_pixels.sum()))
     (narrow, n_narrow), (wide, n_wide) = found

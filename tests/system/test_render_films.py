@@ -33,6 +33,47 @@ def pictures(av, path):
         return float(stream.average_rate), [frame.to_ndarray(format="rgb24") for frame in film.decode(stream)]
 
 
+def ended(*arguments):
+    """Run the command line; return its exit status."""
+    with pytest.raises(SystemExit) as caught:
+        cli.main(list(arguments))
+    return caught.value.code
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """The frames of `FILM`, made in one go."""
+    av = pytest.importorskip("av")
+    with pytest.MonkeyPatch.context() as patched:
+        patched.chdir(tmp_path_factory.mktemp("whole"))
+        assert ended(*FILM) == 0
+        return pictures(av, "x.mp4")[1]
+
+
+@pytest.fixture(scope="module")
+def two_frames(tmp_path_factory):
+    """The folder that `FILM` leaves when it is interrupted before its third frame."""
+    pytest.importorskip("av")
+    real = frames.render
+
+    def render(*arguments, **options):
+        if options["share"] > 0.5:
+            raise KeyboardInterrupt
+        return real(*arguments, **options)
+
+    with pytest.MonkeyPatch.context() as patched:
+        patched.chdir(tmp_path_factory.mktemp("two"))
+        patched.setattr(frames, "render", render)
+        assert ended(*FILM) == 130
+        return Path("x.mp4.frames").resolve()
+
+
+@pytest.fixture
+def begun(two_frames, folder):
+    """The same as it was left, in the folder to work in: a film to go on with."""
+    return shutil.copytree(two_frames, "x.mp4.frames")
+
+
 def test_a_film_is_one_turn(gemrender, folder, av, turns):
     status, out, err = gemrender(*FILM, "--fps", "12")
     assert (status, out, err) == (0, "", "written: x.mp4\n")
@@ -45,12 +86,7 @@ def test_a_film_is_one_turn(gemrender, folder, av, turns):
 
 
 @pytest.mark.parametrize(("at", "done"), chosen([(0, 0), (240, 2)], [(240, 2)]))
-def test_a_film_goes_on_where_it_was_interrupted(at, done, gemrender, folder, av, turns):
-    assert gemrender(*FILM)[0] == 0
-    whole = pictures(av, "x.mp4")
-    Path("x.mp4").unlink()
-    turns()
-
+def test_a_film_goes_on_where_it_was_interrupted(at, done, whole, gemrender, folder, av, turns):
     turns.at = at
     status, out, err = gemrender(*FILM)
     assert (status, out) == (130, "")
@@ -66,7 +102,7 @@ def test_a_film_goes_on_where_it_was_interrupted(at, done, gemrender, folder, av
     assert gemrender(*FILM)[0] == 0
     assert turns() == [120 * k for k in range(done, 3)]
     assert names(".") == {"x.mp4"}
-    np.testing.assert_array_equal(pictures(av, "x.mp4")[1], whole[1])
+    np.testing.assert_array_equal(pictures(av, "x.mp4")[1], whole)
 
 
 def even_sky():
@@ -229,7 +265,9 @@ def killed_while_writing(name, monkeypatch, capsys):
     return capsys.readouterr().err
 
 
-def test_a_film_killed_three_times_is_that_of_one_go(gemrender, folder, av, turns, monkeypatch, capsys):
+def test_a_film_killed_three_times_is_that_of_one_go(
+    whole, gemrender, folder, av, turns, monkeypatch, capsys
+):
     def is_kept(done):
         lines = Path("x.mp4.frames/journal.jsonl").read_text().splitlines()[1:]
         assert [json.loads(line)[0] for line in lines[:done]] == list(range(done))
@@ -247,10 +285,7 @@ def test_a_film_killed_three_times_is_that_of_one_go(gemrender, folder, av, turn
     assert gemrender(*FILM) == (0, "", "written: x.mp4\n")
     assert turns() == []
     assert names(".") == {"x.mp4"}
-    resumed = pictures(av, "x.mp4")
-    assert gemrender(*FILM)[0] == 0
-    assert len(turns()) == 3
-    np.testing.assert_array_equal(resumed[1], pictures(av, "x.mp4")[1])
+    np.testing.assert_array_equal(pictures(av, "x.mp4")[1], whole)
 
 
 def damaged(folder, what):
@@ -288,12 +323,8 @@ DAMAGE = [
 
 
 @pytest.mark.parametrize("what", chosen(DAMAGE, DAMAGE[:2]))
-def test_frames_that_are_not_as_they_were_are_rendered_again(what, gemrender, folder, av, turns):
-    turns.at = 240
-    assert gemrender(*FILM)[0] == 130
-    turns()
+def test_frames_that_are_not_as_they_were_are_rendered_again(what, begun, gemrender, av, turns):
     lost = damaged(Path("x.mp4.frames"), what)
-    turns.at = None
     assert gemrender(*FILM)[0] == 0
     assert turns() == [120 * k for k in (*lost, 2)]
     assert names(".") == {"x.mp4"}
@@ -305,11 +336,11 @@ def test_a_folder_of_frames_without_a_head_is_begun_anew(text, gemrender, folder
     Path("x.mp4.frames").mkdir()
     if text is not None:
         Path("x.mp4.frames/journal.jsonl").write_text(text)
-    assert gemrender(*FILM)[0] == 0
+    assert gemrender(*FILM[:-1], "2")[0] == 0
     assert names(".") == {"x.mp4"}
 
 
-def test_a_film_is_made_by_one_process_at_a_time(gemrender, folder, av, turns, monkeypatch):
+def test_a_film_is_made_by_one_process_at_a_time(begun, gemrender, monkeypatch):
     inner = []
     real = frames.render
 
@@ -324,11 +355,8 @@ def test_a_film_is_made_by_one_process_at_a_time(gemrender, folder, av, turns, m
     assert inner == [(2, "", said)]
 
 
-def test_what_else_is_in_the_folder_is_kept(gemrender, folder, av, turns):
-    turns.at = 120
-    gemrender(*FILM)
+def test_what_else_is_in_the_folder_is_kept(begun, gemrender):
     Path("x.mp4.frames/notes.txt").write_text("mine")
-    turns.at = None
     assert gemrender(*FILM)[0] == 0
     assert names("x.mp4.frames") == {"notes.txt"}
 
@@ -351,11 +379,9 @@ def test_a_frame_that_is_not_done_is_none(gemrender, folder, av, monkeypatch):
     ],
     ids=" ".join,
 )
-def test_frames_of_another_film_are_refused_and_kept(other, gemrender, folder, av, turns):
-    turns.at = 120
-    gemrender(*FILM)
+def test_frames_of_another_film_are_refused_and_kept(other, begun, gemrender):
     before = {path: path.read_bytes() for path in Path("x.mp4.frames").iterdir()}
-    turns.at = None
+    assert {path.name for path in before} == {"journal.jsonl", "00000.png", "00001.png"}
     status, out, err = gemrender(*FILM, *other)
     assert (status, out) == (2, "")
     assert err == (
@@ -393,8 +419,8 @@ def test_a_full_disk_leaves_no_half_frame(gemrender, folder, av, monkeypatch):
 
     with monkeypatch.context() as patched:
         patched.setattr("PIL.Image.Image.save", full)
-        status, out, err = gemrender(*FILM)
+        status, out, err = gemrender(*FILM[:-1], "2")
     assert (status, out) == (2, "")
     assert err == "gemrender: x.mp4.frames/00000.png: cannot be written: No space left on device\n"
     assert names("x.mp4.frames") == {"journal.jsonl"}
-    assert gemrender(*FILM)[0] == 0  # once there is room
+    assert gemrender(*FILM[:-1], "2")[0] == 0  # once there is room
