@@ -32,18 +32,21 @@ def owners(facets: VirtualFacets, points: np.ndarray, margin: float) -> list[lis
     """For each point (n, 2) the virtual facets that hold it; none for one within the margin of an edge."""
     out: list[list[int]] = [[] for _ in points]
     near_edge = np.zeros(len(points), dtype=bool)
-    for i in range(len(facets)):
-        corners = facets.polygon(i)
+    # Of most polygons the box holds none of the points
+    ends = np.column_stack([facets.starts, facets.ends]).ravel()
+    corners = np.concatenate([facets.corners, facets.corners[-1:]])  # the last end is one, too
+    low, high = (of.reduceat(corners, ends)[::2][:, None] for of in (np.minimum, np.maximum))
+    in_box = ((low - margin <= points) & (points <= high + margin)).all(axis=-1)
+    for i in np.flatnonzero(in_box.any(axis=1) & (facets.area >= margin**2)).tolist():
+        corners, among = facets.polygon(i), np.flatnonzero(in_box[i])
         along = np.roll(corners, -1, axis=0) - corners
         length = np.linalg.norm(along, axis=1)
-        if facets.area[i] < margin**2:
-            continue
-        gap = points[:, None] - corners
+        gap = points[among, None] - corners
         with np.errstate(divide="ignore", invalid="ignore"):
             inside = (along[:, 0] * gap[..., 1] - along[:, 1] * gap[..., 0]) / length
         least = np.nanmin(inside, axis=1)
-        near_edge |= np.abs(least) <= margin
-        for k in np.flatnonzero(least > 0):
+        near_edge[among[np.abs(least) <= margin]] = True
+        for k in among[least > 0]:
             out[k].append(i)
     return [[] if near else held for near, held in zip(near_edge, out, strict=True)]
 

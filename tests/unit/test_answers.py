@@ -124,7 +124,8 @@ def test_the_command_writes_what_ctrl_c_kept(monkeypatch, tmp_path, capsys):
 
 
 @pytest.mark.usefixtures("coarse_cliffs")
-def test_the_command_tells_all_of_it(tmp_path):
+def test_the_command_tells_all_of_it(tmp_path, monkeypatch):
+    monkeypatch.setattr("gemrender.report.page.MAP_PIXELS", 64)  # of a page that is not looked at
     options = ["--goal", "inoue", "--vary", "pavilion_angle=40.8:41.2:0.2", "--rounds", "1", "--answers", "1"]
     checked = ["--check", "--resolution", "32", "--reach", "0.05"]
     result = CliRunner().invoke(app, ["improve", "gia-excellent", *options, *checked, "-o", str(tmp_path)])

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import logging
-import os
 import signal
+import subprocess
+import sys
 import textwrap
 
 import pytest
+from observations import environment
 
 from gemrender.errors import BackendError, InputError
 from gemrender.sweep.atlas import make_atlas
@@ -69,10 +71,32 @@ def after_first_chunk(action):
 
 
 def test_a_worker_killed_in_the_middle_has_its_chunk_done_again(plan, tmp_path, expected):
-    with cluster(n_workers=2) as two:
-        first = next(iter(two.workers.values())).pid
-        progress = after_first_chunk(lambda: os.kill(first, signal.SIGKILL))
-        made = make_atlas(plan, str(tmp_path / "a.zarr"), dask=two.scheduler_address, progress=progress)
+    """By the other one, which is in this process and so at work long before it."""
+    with cluster(n_workers=1, processes=False) as two, distributed.Client(two.scheduler_address) as client:
+        options = ["--nthreads", "1", "--no-nanny", "--no-dashboard", "--host", "127.0.0.1"]
+        process = subprocess.Popen(
+            [sys.executable, "-m", "distributed.cli.dask_worker", two.scheduler_address, *options],
+            env=environment({}), stderr=subprocess.DEVNULL,
+        )  # fmt: skip
+        held = {}
+
+        def kill():
+            held.update(client.processing())
+            process.kill()
+
+        try:
+            client.wait_for_workers(2)
+            made = make_atlas(
+                plan, str(tmp_path / "a.zarr"), dask=two.scheduler_address,
+                progress=after_first_chunk(kill),
+            )  # fmt: skip
+            assert process.wait() == -signal.SIGKILL
+            del held[two.workers[0].address]
+        finally:
+            process.kill()
+            process.wait()
+    [at_work] = held.values()
+    assert at_work
     assert made.done == plan.stones == made.measured
     assert contents(tmp_path / "a.zarr") == expected
 

@@ -463,31 +463,32 @@ def test_crosscheck_prints_every_difference(gemrender, monkeypatch, variant_llvm
 # ---- The process ---------------------------------------------------------------------------------------
 
 
-def test_the_reference_needs_no_mitsuba_and_no_llvm():
+@pytest.fixture(scope="module")
+def without_llvm(tmp_path_factory):
+    """A process without LLVM that scores by the reference, then by Mitsuba; and what it would write into."""
+    maps = tmp_path_factory.mktemp("without_llvm") / "maps"
     code = (
         "import sys; from gemrender.cli.program import run; "
         f"status = run(['score', 'inoue-3', *{FAST}, '--json']); "
-        "print(status, {'mitsuba', 'drjit'} & set(sys.modules), file=sys.stderr)"
+        "print(status, {'mitsuba', 'drjit'} & set(sys.modules), file=sys.stderr); "
+        f"sys.exit(run(['score', 'inoue-3', '--engine', 'mitsuba', '--out', {str(maps)!r}]))"
     )
-    done = run_python("-c", code, environment={"DRJIT_LIBLLVM_PATH": "/nowhere/libLLVM.so"})
-    assert done.stderr == "0 set()\n"
+    return run_python("-c", code, environment={"DRJIT_LIBLLVM_PATH": "/nowhere/libLLVM.so"}), maps
+
+
+def test_the_reference_needs_no_mitsuba_and_no_llvm(without_llvm):
+    done, _ = without_llvm
+    assert done.stderr.startswith("0 set()\n")
     assert json.loads(done.stdout)[0]["engine"] == "reference"
 
 
-def test_no_llvm_is_one_line_with_the_cure(tmp_path):
-    done = run_gemrender(
-        "score",
-        "inoue-3",
-        "--engine",
-        "mitsuba",
-        "--out",
-        str(tmp_path / "maps"),
-        environment={"DRJIT_LIBLLVM_PATH": "/nowhere/libLLVM.so"},
-    )
-    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
-    assert "unset DRJIT_LIBLLVM_PATH" in done.stderr
-    assert done.stderr.endswith("; without Mitsuba, --engine exact and --engine reference work\n")
-    assert not (tmp_path / "maps").exists()
+def test_no_llvm_is_one_line_with_the_cure(without_llvm):
+    done, maps = without_llvm
+    _, error = done.stderr.splitlines()
+    assert done.returncode == 1
+    assert "unset DRJIT_LIBLLVM_PATH" in error
+    assert error.endswith("; without Mitsuba, --engine exact and --engine reference work")
+    assert not maps.exists()
 
 
 LONG = ["score --help", f"score inoue-3 {' '.join(FAST)} --json", f"score inoue-3 {' '.join(FAST)}", "stones"]
@@ -539,21 +540,22 @@ def test_a_full_disk_behind_out_is_one_line_and_leaves_nothing(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize(
-    "options", chosen(["", "--json", "--format csv", "--format markdown"], ["", "--json"])
-)
-def test_a_closed_stdout_is_one_line_and_a_failure(options):
-    done = shell(f"$GEMRENDER {options} >&-")
-    assert (done.returncode, done.stdout) == (1, "")
-    assert done.stderr == "gemrender: input or output failed: standard output is closed\n"
-
-
-def one_process(lines):
+def one_process(lines, stream="stdout"):
     """Return Python that runs lines one after the other, and prints the exit status after each."""
     return (
-        f"from gemrender.cli import main\nfor line in {lines!a}:\n"
-        "    try:\n        main(line)\n    except SystemExit as ended:\n        print('status', ended.code)\n"
+        f"import sys\nfrom gemrender.cli import main\nfor line in {lines!a}:\n"
+        "    try:\n        main(line)\n    except SystemExit as ended:\n"
+        f"        print('status', ended.code, file=sys.{stream})\n"
     )
+
+
+def test_a_closed_stdout_is_one_line_and_a_failure(tmp_path):
+    forms = [[], ["--json"], ["--format", "csv"], ["--format", "markdown"]]
+    lines = [["score", "inoue-3", *FAST, *form] for form in forms]
+    (tmp_path / "lines.py").write_text(one_process(lines, "stderr"))
+    done = shell(f"'{sys.executable}' '{tmp_path / 'lines.py'}' >&-")
+    told = "gemrender: input or output failed: standard output is closed\nstatus 1\n"
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", told * len(forms))
 
 
 def test_a_closed_stderr_is_no_error(tmp_path):

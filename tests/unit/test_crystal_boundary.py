@@ -187,7 +187,7 @@ def test_energy_next_to_grazing_of_a_uniaxial_crystal(birefringence, cosine):
         np.testing.assert_allclose(totals(entered), 1.0, rtol=0, atol=ENERGY)
 
 
-@pytest.mark.parametrize("birefringence", [0.2, 0.01, 1e-4, 1e-9, 1e-12, 0.0])
+@pytest.mark.parametrize("birefringence", chosen([0.2, 0.01, 1e-4, 1e-9, 1e-12, 0.0], [0.2, 1e-4, 1e-9, 0.0]))
 def test_energy_at_the_limits_of_a_biaxial_crystal(birefringence):
     """Along an optic axis and next to it, grazing and nearly, of indices however close."""
     rng = np.random.default_rng(9)

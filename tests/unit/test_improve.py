@@ -252,7 +252,9 @@ def test_a_stone_file_is_the_stone(tmp_path, stone):
 
 def test_the_command_writes_stones_and_a_page(tmp_path, monkeypatch):
     monkeypatch.setattr("gemrender.sweep.cliffs.STEPS", 3)  # looked for in a few steps
+    monkeypatch.setattr("gemrender.report.page.MAP_PIXELS", 64)  # of a page that is not looked at
     options = ["--goal", "inoue", "--vary", ",".join(SMALL), "--rounds", "2", "--answers", "1"]
+    options += ["--reach", "0.1"]
     result = CliRunner().invoke(app, ["improve", "gia-excellent", *options, "--json", "-o", str(tmp_path)])
     assert result.exit_code == 0, result.output
     (found,) = json.loads(result.stdout)

@@ -199,7 +199,10 @@ def test_the_answers_have_the_size_that_rough_gives():
     assert answer.goal == pytest.approx(answer.stone.solid.volume * 64 * 2.65 / 200)
 
 
-COMMAND = ["improve", str(CASES / "round.asc"), "--goal", "inoue", "--rounds", "2", "--answers", "1"]
+COMMAND = [
+    "improve", str(CASES / "round.asc"), "--goal", "inoue", "--rounds", "2", "--answers", "1",
+    "--reach", "0.1",
+]  # fmt: skip
 
 
 def test_the_command_retargets_a_design(monkeypatch):

@@ -34,8 +34,10 @@ def random_cases(seed, n, kind):
 @numba.njit
 def waves_back(kx, ky, kz, facet, out):
     for m in range(2):
-        out[0, m] = wave_vector_of(BACK + m, kx, ky, kz, facet)
-        out[1, m] = ray_of(BACK + m, facet)
+        x, y, z = wave_vector_of(BACK + m, kx, ky, kz, facet)
+        out[0, m, 0], out[0, m, 1], out[0, m, 2] = x, y, z
+        x, y, z = ray_of(BACK + m, facet)
+        out[1, m, 0], out[1, m, 1], out[1, m, 2] = x, y, z
 
 
 def back_of(k, facet):

@@ -117,6 +117,7 @@ def test_ctrl_c_keeps_the_front_so_far(monkeypatch):
 
 def test_the_command_writes_a_front(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("gemrender.sweep.cliffs.STEPS", 3)
+    monkeypatch.setattr("gemrender.report.page.MAP_PIXELS", 64)  # of a page that is not looked at
     grid = "pavilion_angle=42:46:2,table=60:68:4"
     goals = ["--goal", "inoue", "--goal", "volume", "--vary", grid, "--rounds", "1", "--answers", "1"]
     options = ["--reach", "0.02", "--json", "-o", str(tmp_path)]

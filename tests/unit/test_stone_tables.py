@@ -9,8 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
+from thorough import examples
 
 from gemrender.cuts import RoundBrilliant, load_stone, load_stones
 from gemrender.cuts.columns import ALIASES, known_column
@@ -464,13 +465,16 @@ def damaged(draw: st.DrawFn) -> bytes:
     return text
 
 
-@settings(
-    max_examples=200,
+@examples(
+    60,
+    200,
+    given(
+        text=st.one_of(damaged(), st.binary(max_size=200)), name=st.sampled_from(["stones.csv", "stones.tsv"])
+    ),
     derandomize=True,
     deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
-@given(text=st.one_of(damaged(), st.binary(max_size=200)), name=st.sampled_from(["stones.csv", "stones.tsv"]))
 def test_damaged_table_is_a_table_or_one_line(text, name):
     write(text, name)
     with one_line():
