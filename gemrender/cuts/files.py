@@ -10,7 +10,7 @@ import sys
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +36,7 @@ from gemrender.mistakes import Mistakes
 from gemrender.reading import LONGEST_LINE as LONGEST_LINE
 from gemrender.reading import MOST_BYTES as MOST_BYTES
 from gemrender.reading import (
+    bundled_files,
     did_you_mean,
     located_at,
     parse_toml,
@@ -117,7 +118,10 @@ def load_stones(stones: str | os.PathLike[str]) -> Stones:
     InputError
         As `load_stone`; of a table, the first bad row is told.
     """
-    path = find_stone(os.fspath(stones))
+    given = os.fspath(stones)
+    path = find_stone(given)
+    if path == bundled_files("").get(given):
+        return OneStone(_bundled(path))
     # A file that cannot be read is told by who reads it.
     kind = kind_of_file(path) or path.suffix.lower().lstrip(".")
     if kind == "tsv" or (kind == "csv" and is_table(path)):
@@ -130,6 +134,12 @@ def load_stones(stones: str | os.PathLike[str]) -> Stones:
 
 
 # ---- TOML ----------------------------------------------------------------------------------------------
+
+
+@cache
+def _bundled(path: Path) -> Stone:
+    """Return a bundled stone: one object, whose corners are found once."""
+    return _from_toml(path)
 
 
 def _from_toml(path: Path) -> Stone:
