@@ -74,11 +74,11 @@ def closed_surface(positions: np.ndarray, faces: np.ndarray) -> ClosedSurface:
     if not np.isfinite(positions[np.unique(faces)]).all():
         raise InputError("must have vertices that are finite numbers")
     size = float(np.ptp(positions[np.unique(faces)], axis=0).max())
-    vertex, edges = _joined(positions, faces, _SAME_PLACE * size)
+    vertex, edges, place = _joined(positions, faces, _SAME_PLACE * size)
     kept = _three_corners(vertex[faces])
-    edges, block = _apart(len(faces), edges)
+    edges, place, block = _apart(len(faces), edges, place)
     _refuse_doubles(np.column_stack([np.sort(vertex[faces], axis=1), block])[kept])
-    sign, label = _agreeing(len(faces), edges)
+    sign, label = _agreeing(len(faces), edges, place)
     corners = positions[faces][kept]
     part = np.unique(label[kept], return_inverse=True)[1].ravel()
     to = corners - corners[0, 0]
@@ -87,7 +87,7 @@ def closed_surface(positions: np.ndarray, faces: np.ndarray) -> ClosedSurface:
         raise InputError("must enclose a volume")
     outward = np.zeros(len(faces), dtype=np.int8)
     outward[kept] = sign[kept] * np.sign(volume)[part]
-    _refuse_unbalanced(edges, outward)
+    _refuse_unbalanced(edges, place, outward)
     bodies = [_turned(corners[part == k], outward[kept][part == k]) for k in range(len(volume))]
     as_wound = np.sign(np.bincount(part, weights=outward[kept]) + 0.5)
     hollow, body = nested(bodies, as_wound, _TOUCHING * size)
@@ -100,25 +100,27 @@ def closed_surface(positions: np.ndarray, faces: np.ndarray) -> ClosedSurface:
 # ---- Vertices and edges --------------------------------------------------------------------------------
 
 
-def _joined(positions: np.ndarray, faces: np.ndarray, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the number of each vertex's place, (v,), and the faces' edges, (e, 3): from, to, face.
+def _joined(
+    positions: np.ndarray, faces: np.ndarray, tolerance: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the number of each vertex's place, the faces' edges, and the number of each edge's place.
 
-    Every two ends have an even number of edges between them.
+    (v,), (e, 3): from, to, face, and (e,). Every two ends have an even number of edges between them.
     """
     odd = np.zeros(0, dtype=np.int64)
     for join in (_same_numbers, _same_places):
         vertex = join(positions, tolerance)
         edges = _edges(vertex[faces])
-        odd = _odd(edges)
+        place, odd = _places(edges)
         if not len(odd):
-            return vertex, edges
+            return vertex, edges, place
     if len(odd) <= _MOST_SEAMS:
         places = np.zeros((int(vertex.max()) + 1, 3))
         places[vertex] = positions
         edges = _split(edges, odd, places, tolerance)
-        odd = _odd(edges)
+        place, odd = _places(edges)
         if not len(odd):
-            return vertex, edges
+            return vertex, edges, place
     raise InputError(f"must be a closed surface; {len(odd)} edges have a face on one side only")
 
 
@@ -170,10 +172,15 @@ def _keys(edges: np.ndarray) -> np.ndarray:
     return np.asarray(low * (int(edges[:, :2].max(initial=0)) + 1) + high)
 
 
-def _odd(edges: np.ndarray) -> np.ndarray:
-    """Return the rows of edges (one of each) that an odd number of faces meets at."""
-    _, first, count = np.unique(_keys(edges), return_index=True, return_counts=True)
-    return np.asarray(first[count % 2 == 1])
+def _places(edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return a number for each edge, (e,), one for those between the same ends, and the odd ones.
+
+    Those are the rows of edges (one of each) that an odd number of faces meets at.
+    """
+    _, first, number, count = np.unique(
+        _keys(edges), return_index=True, return_inverse=True, return_counts=True
+    )
+    return number.reshape(-1), first[count % 2 == 1]
 
 
 def _split(edges: np.ndarray, odd: np.ndarray, places: np.ndarray, tolerance: float) -> np.ndarray:
@@ -194,7 +201,7 @@ def _split(edges: np.ndarray, odd: np.ndarray, places: np.ndarray, tolerance: fl
     return np.concatenate(new)
 
 
-def _apart(n_faces: int, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _apart(n_faces: int, edges: np.ndarray, place: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Keep surfaces apart that follow each other in the mesh, as when Mitsuba makes one mesh of several.
 
     Where they touch, their vertices and edges are in the same places. The sum modulo 2 of the edges of all
@@ -202,19 +209,22 @@ def _apart(n_faces: int, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
     Returns
     -------
-    (edges, block)
-        The edges (e, 3) with vertices of each surface's own, and the number of each face's surface, (f,).
+    (edges, place, block)
+        The edges (e, 3) with vertices of each surface's own, the numbers of their places (e,), and the
+        number of each face's surface, (f,).
     """
-    keys = np.unique(_keys(edges), return_inverse=True)[1].ravel()
-    words = np.random.default_rng(0).integers(1, 1 << 62, size=int(keys.max()) + 1)[keys]
+    words = np.random.default_rng(0).integers(1, 1 << 62, size=int(place.max()) + 1)[place]
     of_face = np.zeros(n_faces, dtype=np.int64)
     np.bitwise_xor.at(of_face, edges[:, 2], words)
     ends = np.bitwise_xor.accumulate(of_face) == 0
     block = np.cumsum(ends) - ends
+    if not block[-1]:
+        return edges, place, block
     n_vertices = int(edges[:, :2].max()) + 1
     own = edges[:, :2] + n_vertices * block[edges[:, 2], None]
     number = np.unique(own, return_inverse=True)[1].reshape(-1, 2)
-    return np.column_stack([number, edges[:, 2]]), block
+    edges = np.column_stack([number, edges[:, 2]])
+    return edges, _places(edges)[0], block
 
 
 def _refuse_doubles(triangles: np.ndarray) -> None:
@@ -226,16 +236,15 @@ def _refuse_doubles(triangles: np.ndarray) -> None:
 # ---- Orientation ---------------------------------------------------------------------------------------
 
 
-def _agreeing(n_faces: int, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _agreeing(n_faces: int, edges: np.ndarray, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return which faces to turn for all of a part to agree, 1 or -1, and the part of each, (f,).
 
     Two faces at an edge agree if they run along it in opposite directions. Each face is a pair of nodes, as
     it is and turned; nodes that agree are joined, and what is joined to the first face as it is stays so.
     """
-    order = np.argsort(_keys(edges), kind="stable")
-    keys = _keys(edges)[order]
-    starts = np.flatnonzero(np.r_[True, keys[1:] != keys[:-1]])
-    pairs = starts[np.diff(np.r_[starts, len(keys)]) == 2]  # edges of more faces join no parts
+    order = np.argsort(place, kind="stable")
+    count = np.bincount(place)
+    pairs = (np.cumsum(count) - count)[count == 2]  # edges of more faces join no parts
     one, other = edges[order[pairs]], edges[order[pairs + 1]]
     against = one[:, 0] == other[:, 0]
     f, g = one[:, 2], other[:, 2]
@@ -266,11 +275,10 @@ def _connected(n: int, a: np.ndarray, b: np.ndarray) -> np.ndarray:
         label = new
 
 
-def _refuse_unbalanced(edges: np.ndarray, sign: np.ndarray) -> None:
+def _refuse_unbalanced(edges: np.ndarray, place: np.ndarray, sign: np.ndarray) -> None:
     """Refuse surfaces of which as many faces do not run along an edge in one direction as in the other."""
-    keys = np.unique(_keys(edges), return_inverse=True)[1]
     direction = np.where(edges[:, 0] < edges[:, 1], 1, -1) * sign[edges[:, 2]]
-    if np.bincount(keys, weights=direction).any():
+    if np.bincount(place, weights=direction).any():
         raise InputError("must have an inside and an outside; some edges join faces that disagree")
 
 
