@@ -60,10 +60,10 @@ def interrupt_after(monkeypatch, n):
     """Send what Ctrl-C sends, during pass n + 1."""
     add, done = passes.Passes.add, []
 
-    def add_or_stop(self, spp):
+    def add_or_stop(self, spp, **options):
         if len(done) == n:
             signal.raise_signal(signal.SIGINT)
-        add(self, spp)
+        add(self, spp, **options)
         done.append(spp)
 
     monkeypatch.setattr(passes.Passes, "add", add_or_stop)

@@ -115,17 +115,14 @@ class Caustics:
         self.any = 0 < typical < float("inf")
         self._unit = float(typical / _FINENESS)
 
-    def trace(self, n: int, first: int, seed: int, splat: Any, draw: Any) -> None:
+    def trace(self, number: mi.UInt32, key: mi.UInt32, splat: Any, draw: Any) -> None:
         """Send out rays, and hand on what they count in the picture.
 
         Parameters
         ----------
-        n : int
-            How many.
-        first : int
-            Number of the first: rays of other numbers are spread between these.
-        seed : int
-            Seed; of other ones rays are independent.
+        number, key : UInt32
+            Of each ray its number, rays of other numbers being spread between these, and the seed: of other
+            ones they are independent.
         splat : callable
             Called with the place in the film, (0, 0) to (1, 1), the wavelengths' values in units of `unit`,
             the surface that is seen there (a shape), and which of the rays count; once, while the kernel is
@@ -134,9 +131,6 @@ class Caustics:
             Makes wavelengths of a number in [0, 1).
         """
         with dr.suspend_grad(), instances_held():
-            lanes = dr.arange(mi.UInt32, n)
-            number = lanes + dr.opaque(mi.UInt32, first & 0xFFFFFFFF)
-            key = dr.opaque(mi.UInt32, seed)
             keys = [mi.sample_tea_32(key, mi.UInt32(k), TEA_ROUNDS)[0] for k in range(_NUMBERS)]
             u = sobol(number, keys)
             a, b = mi.sample_tea_32(number, key, TEA_ROUNDS)

@@ -128,26 +128,38 @@ class Passes:
         most = max(1, self._pass_samples // min(self.width * self.height, self._tile_pixels))
         return int(1 << (most.bit_length() - 1))  # powers of two are the most even
 
-    def add(self, spp: int) -> None:
-        """Render `spp` samples a pixel more; the two halves take turns.
+    def add(self, spp: int, *, both: bool = False) -> None:
+        """Render `spp` samples a pixel more of the half whose turn it is, or of each of both, at once.
 
         Interrupted, it leaves the sums as they were.
+
+        Parameters
+        ----------
+        spp : int
+            Samples a pixel.
+        both : bool
+            Whether both halves get so many, after as many of each. The samples are those of two passes, and
+            of a small picture it takes two thirds of their time.
         """
-        half = self._turns % 2
+        halves = (0, 1) if both else (self._turns % 2,)
         pixels = self.width * self.height
-        sums = np.empty((pixels, self._n_channels), dtype=np.float32)
+        begin, end = halves[0] * pixels, (halves[-1] + 1) * pixels
+        sums = np.empty((len(halves), pixels, self._n_channels), dtype=np.float32)
+        in_a_row = sums.reshape(end - begin, -1)
         self._unsound_of_pass = 0
-        for first in range(0, pixels, self._tile_pixels):
-            last = min(first + self._tile_pixels, pixels)
-            sums[first:last] = self._tile(first, last - first, spp, half)
-        if self._film is not None:
-            sent = self._film.rays_for(pixels * spp)
-            sums += np.float32(spp) * self._traced(sent, half)
+        for first in range(begin, end, self._tile_pixels):
+            last = min(first + self._tile_pixels, end)
+            tile = self._tile(first, last - first, spp, self._counts[halves[0]])
+            in_a_row[first - begin : last - begin] = tile
+        sent = 0 if self._film is None else self._film.rays_for(pixels * spp)
+        if sent:
+            sums += np.float32(spp) * self._traced(sent, halves)
+        for k, half in enumerate(halves):
+            self._halves[half] += sums[k]
+            self._counts[half] += spp
             self._rays_sent[half] += sent
-        self._halves[half] += sums
-        self._counts[half] += spp
         self.unsound += self._unsound_of_pass
-        self._turns += 1
+        self._turns += len(halves)
 
     def radiance_at(self, nm: float, spp: int, *, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
         """Return the radiance at one wavelength, and the standard error of it, (h, w) each.
@@ -277,23 +289,25 @@ class Passes:
         ray.wavelengths = wavelengths
         return ray, right
 
-    def _traced(self, n: int, half: int) -> np.ndarray:
-        """Return the mean radiance that n rays from the lights add, (pixels, channels) float32."""
+    def _traced(self, n: int, halves: tuple[int, ...]) -> np.ndarray:
+        """Return the mean radiance that n rays from the lights add, (halves, pixels, channels) float32."""
         assert self._film is not None
-        seed = int(np.random.SeedSequence([self.seed, half, 2]).generate_state(1)[0])
-        found = self._film.radiance(n, self._rays_sent[half], seed)
-        out = np.zeros((found.shape[1], self._n_channels), dtype=np.float32)
-        out[:, :3] = found[:3].T
+        seeds = [int(np.random.SeedSequence([self.seed, half, 2]).generate_state(1)[0]) for half in halves]
+        found = self._film.radiance(n, self._rays_sent[halves[0]], seeds).swapaxes(1, 2)
+        out = np.zeros((*found.shape[:2], self._n_channels), dtype=np.float32)
+        out[..., :3] = found[..., :3]
         if self._has_foreground:
-            out[:, 10:13], found = found[3:6].T, found[3:]
-        out[:, self._of_bins] = found[3:].T
+            out[..., 10:13], found = found[..., 3:6], found[..., 3:]
+        out[..., self._of_bins] = found[..., 3:]
         return out
 
-    def _tile(self, first: int, n: int, spp: int, half: int) -> np.ndarray:
+    def _tile(self, first: int, n: int, spp: int, index: int) -> np.ndarray:
+        """Return the sums of samples of pixels, counted through both halves, (n, channels) float32."""
         import drjit as dr
         import mitsuba as mi
 
-        pixel, samples, u = camera_samples(first, n, spp, self._counts[half], 2 * self.seed + half)
+        pixels = self.width * self.height
+        pixel, samples, u = camera_samples(first, n, spp, index, 2 * self.seed, pixels)
         nm, weight, response = self._draw(u[2])
         ray, right = self._rays(pixel, u, nm)
         radiance, valid, aovs = self.scene.integrator().sample_with_aovs(
@@ -345,7 +359,7 @@ class Passes:
 
 
 def camera_samples(
-    first: int, n: int, spp: int, index: int, seed: int
+    first: int, n: int, spp: int, index: int, seed: int, pixels: int | None = None
 ) -> tuple[Any, PixelSamples, list[Any]]:
     """Return samples of pixels, and what the camera is asked with for each.
 
@@ -357,6 +371,8 @@ def camera_samples(
         Samples a pixel, and the number of the first of them.
     seed : int
         Seed: samples of other seeds are independent.
+    pixels : int, optional
+        Pixels of a half: numbers from there on are those of the other half, whose seed is the next one.
 
     Returns
     -------
@@ -376,7 +392,12 @@ def camera_samples(
     pixel = lanes // of_a_pixel
     number = lanes - pixel * of_a_pixel + dr.opaque(mi.UInt32, index)
     pixel += dr.opaque(mi.UInt32, first)
-    samples = PixelSamples.of(pixel, number, seed)
+    seeds = dr.opaque(mi.UInt32, seed)
+    if pixels is not None:
+        is_second = pixel >= dr.opaque(mi.UInt32, pixels)
+        pixel -= dr.select(is_second, dr.opaque(mi.UInt32, pixels), 0)
+        seeds += dr.select(is_second, mi.UInt32(1), 0)
+    samples = PixelSamples.of(pixel, number, seeds)
     x, y, nm, turn, *others = samples.next(7)
     # Wavelengths are drawn evenly from the first on: which of them is the first is drawn apart
     lanes_of_nm = len(mi.Spectrum())

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -52,17 +53,17 @@ class TracedFilm:
         """Return how many rays go with so many samples of the camera."""
         return max(1, round(float(self._caustics.rays_a_sample) * samples))
 
-    def radiance(self, n: int, first: int, seed: int) -> np.ndarray:
-        """Return the mean radiance that n rays from the lights add, (k, pixels) float64.
+    def radiance(self, n: int, first: int, seeds: Sequence[int]) -> np.ndarray:
+        """Return the mean radiance that n rays from the lights add, (seeds, k, pixels) float64.
 
         Channels are X, Y, Z; those of the foreground, where it is asked for; and bins.
 
         Parameters
         ----------
         n, first : int
-            How many rays, and how many there have been of this seed.
-        seed : int
-            Seed.
+            How many rays of each seed, and how many there have been of it.
+        seeds : sequence of int
+            One seed or two, each for a film of its own.
         """
         import drjit as dr
         import mitsuba as mi
@@ -76,7 +77,7 @@ class TracedFilm:
             drawn[:] = weight, response
             return nm
 
-        def splat(place: Any, nm: Any, counts: Any, shape: Any, active: Any) -> None:
+        def splat(film: Any, place: Any, nm: Any, counts: Any, shape: Any, active: Any) -> None:
             weight, response = drawn
             values = [c * w for c, w in zip(counts, weight, strict=True)]
             channels = [sum(v * r[k] for v, r in zip(values, response, strict=True)) for k in range(3)]
@@ -89,19 +90,26 @@ class TracedFilm:
                 for total, value in zip(sums, channels, strict=True):
                     counts_here = mi.UInt64(dr.maximum(value, 0) * share)
                     # Copies for each thread, as by default, would have the film's size in the kernel
-                    dr.scatter_add(total, counts_here, pixel, shown, dr.ReduceMode.Local)
+                    dr.scatter_add(total, counts_here, film + pixel, shown, dr.ReduceMode.Local)
 
         n_channels = (3 if self._kept is None else 6) + len(
             self._binned(mi.Spectrum(0), mi.Spectrum(0), mi.Spectrum(0))
         )
-        sums += [dr.zeros(mi.UInt64, pixels) for _ in range(n_channels)]
+        sums += [dr.zeros(mi.UInt64, len(seeds) * pixels) for _ in range(n_channels)]
         dr.eval(sums)
-        at_once = lanes_at_once()
-        for start in range(0, n, at_once):
-            self._caustics.trace(min(at_once, n - start), first + start, seed, splat, draw)
+        rays, at_once = len(seeds) * n, lanes_at_once()
+        for start in range(0, rays, at_once):
+            ray = dr.arange(mi.UInt32, min(at_once, rays - start)) + dr.opaque(mi.UInt32, start)
+            is_second = ray >= dr.opaque(mi.UInt32, n)
+            film = dr.select(is_second, dr.opaque(mi.UInt32, pixels), 0)
+            number = ray - dr.select(is_second, dr.opaque(mi.UInt32, n), 0)
+            number += dr.opaque(mi.UInt32, first & 0xFFFFFFFF)
+            key = dr.select(is_second, *(dr.opaque(mi.UInt32, seed) for seed in (seeds[-1], seeds[0])))
+            self._caustics.trace(number, key, partial(splat, film), draw)
             dr.eval(sums)
         unit = self._caustics.unit * pixels / n
-        return np.stack([np.asarray(total).astype(np.float64) * unit for total in sums])
+        films = [np.asarray(total).astype(np.float64).reshape(len(seeds), -1) * unit for total in sums]
+        return np.stack(films, axis=1)
 
     def _pixels(self, place: Any, active: Any) -> Iterator[tuple[Any, Any, Any]]:
         """Yield the pixels whose filter a place in the film is in, the filter there, and for which rays."""

@@ -67,12 +67,11 @@ class PixelSamples:
     draws: Any
 
     @classmethod
-    def of(cls, pixel: Any, number: Any, seed: int) -> PixelSamples:
-        """Return the samples of pixels, by the pixel's number, the sample's, and a seed."""
-        import drjit as dr
+    def of(cls, pixel: Any, number: Any, seed: Any) -> PixelSamples:
+        """Return the samples of pixels, by the pixel's number, the sample's, and a seed (UInt32)."""
         import mitsuba as mi
 
-        key, _ = mi.sample_tea_32(pixel, dr.opaque(mi.UInt32, seed), TEA_ROUNDS)
+        key, _ = mi.sample_tea_32(pixel, seed, TEA_ROUNDS)
         return cls(mi.UInt32(number), key, mi.UInt32(0))
 
     def next(self, dimensions: int) -> list[Any]:

@@ -107,17 +107,18 @@ def test_later_passes_and_pictures_of_other_sizes_need_no_new_kernel():
     import drjit as dr
 
     ensure_variant("llvm_ad_spectral")
+    stones, around = make_gems([load_stone("inoue-3")]), load_setup("hand")
     found = []
-    for size in (16, 24):
+    for size, pass_samples in ((16, None), (16, 16 * 16 * 4), (24, None)):
         gc.collect()
         with dr.scoped_set_flag(dr.JitFlag.KernelHistory, True):
             dr.kernel_history_clear()
-            render(make_gems([load_stone("inoue-3")]), load_setup("hand"), width=size, height=size, spp=8)
+            render(stones, around, width=size, height=size, spp=8, pass_samples=pass_samples)
             kernels = [k for k in dr.kernel_history() if k["type"] == dr.KernelType.JIT]
         found.append([k["hash"] for k in kernels if k["operation_count"] > LARGE])
-    first, second = np.reshape(found[0], (2, -1)).tolist()
-    assert first == second
-    assert found[1] == found[0]
+    at_once, in_two, larger = found
+    assert in_two == at_once * 2
+    assert larger == at_once
 
 
 def test_passes_go_with_their_last_user(variant_llvm_ad_spectral):
@@ -188,6 +189,18 @@ def test_the_spectrum_has_the_pictures_colour(scene):
     spectrum = passes.spectrum.reshape(-1, 38).mean(axis=0, dtype=np.float64)
     from_bins = 10 * spectrum @ colour_matching(middles) / y_integral_nm()
     np.testing.assert_allclose(from_bins, passes.xyz.reshape(-1, 3).mean(axis=0), rtol=BINNED)
+
+
+def test_both_halves_at_once_are_the_two_passes(scene):
+    one, other = (Passes(scene, size=SIZE) for _ in range(2))
+    assert one.caustics is not None  # light is traced to the ground too
+    for spp in (4, 8):
+        one.add(spp, both=True)
+        other.add(spp)
+        other.add(spp)
+    assert one.samples == other.samples == 24
+    np.testing.assert_array_equal(one.halves, other.halves)
+    np.testing.assert_array_equal(one.xyz, other.xyz)
 
 
 def test_an_interruption_leaves_the_sums(scene, monkeypatch):
