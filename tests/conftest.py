@@ -49,16 +49,16 @@ def pytest_collection() -> Iterator[None]:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with pictures, and let each module change Mitsuba's variant as seldom as it can.
+    """Begin with pictures, then what is in a variant, one variant after the other.
 
     Processes of xdist each begin with half of the tests. Where nothing is compiled yet, so only one of them
     compiles numba's kernels, and the other one reads them later. A change of variant, in which Mitsuba loads
     its integrators in Python anew, takes longer than most tests.
     """
-    modules = {path: number for number, path in enumerate(dict.fromkeys(item.path for item in items))}
 
-    def order(item: pytest.Item) -> tuple[bool, int, str]:
-        return (not item.path.name.startswith("test_render_"), modules[item.path], _variant_of(item))
+    def order(item: pytest.Item) -> tuple[bool, bool, str]:
+        variant = _variant_of(item)
+        return (not item.path.name.startswith("test_render_"), not variant, variant)
 
     items.sort(key=order)
 
