@@ -44,6 +44,10 @@ class Polyhedron:
     corners: np.ndarray
     starts: np.ndarray
 
+    def __post_init__(self) -> None:
+        for name in ("planes", "vertices", "corners", "starts"):
+            object.__setattr__(self, name, _read_only(getattr(self, name).view()))
+
     @property
     def bounds(self) -> np.ndarray:
         """(p,) bool: which planes bound it."""
@@ -59,12 +63,13 @@ class Polyhedron:
         first, a, b = (self.vertices[k] for k in self._fans())
         plane = np.repeat(np.arange(len(self.planes)), np.diff(self.starts))
         cross = np.cross(a - first, b - first)
-        return 0.5 * np.column_stack([np.bincount(plane, cross[:, k], len(self.planes)) for k in range(3)])
+        sums = [np.bincount(plane, cross[:, k], len(self.planes)) for k in range(3)]
+        return _read_only(0.5 * np.column_stack(sums))
 
     @cached_property
     def areas(self) -> np.ndarray:
         """(p,) float64: areas of the polygons."""
-        return np.asarray(np.einsum("ij,ij->i", self.crosses, self.planes[:, :3]))
+        return _read_only(np.einsum("ij,ij->i", self.crosses, self.planes[:, :3]))
 
     @cached_property
     def middles(self) -> np.ndarray:
@@ -75,7 +80,7 @@ class Polyhedron:
         area = np.einsum("ij,ij->i", np.cross(p - about, q - about), self.planes[plane, :3])
         sums = [np.bincount(plane, area * (about + p + q)[:, k], len(self.planes)) for k in range(3)]
         with np.errstate(invalid="ignore"):
-            return np.column_stack(sums) / (6.0 * self.areas[:, None])
+            return _read_only(np.column_stack(sums) / (6.0 * self.areas[:, None]))
 
     def _fans(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return each polygon's first vertex, its vertices, and those that follow them, each (c,)."""
@@ -98,14 +103,20 @@ class Polyhedron:
         key = np.minimum(a, b) * len(self.vertices) + np.maximum(a, b)
         order = np.lexsort([a > b, key])
         left, right = order[::2], order[1::2]
-        return np.column_stack([a[left], b[left], plane[left], plane[right]])
+        return _read_only(np.column_stack([a[left], b[left], plane[left], plane[right]]))
 
     @cached_property
     def centroid(self) -> np.ndarray:
         """(3,) float64: the middle of its volume."""
         a, b, c = (self.vertices[k] for k in self._fans())
         volumes = np.einsum("ij,ij->i", a, np.cross(b, c))
-        return np.asarray((volumes @ (a + b + c)) / (4.0 * volumes.sum()))
+        return _read_only((volumes @ (a + b + c)) / (4.0 * volumes.sum()))
+
+
+def _read_only(array: np.ndarray) -> np.ndarray:
+    """Return an array that nobody writes to: it is kept, and others get the same one."""
+    array.setflags(write=False)
+    return array
 
 
 def intersect(planes: np.ndarray) -> Polyhedron:

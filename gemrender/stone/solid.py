@@ -67,7 +67,9 @@ class ConvexSolid:
         """(n_facets,) float64: area of each facet."""
         facet = np.full(len(self.polyhedron.planes), self.n_facets - 1)
         facet[: len(self.facet)] = self.facet
-        return np.bincount(facet, self.polyhedron.areas, self.n_facets)
+        areas = np.bincount(facet, self.polyhedron.areas, self.n_facets)
+        areas.setflags(write=False)
+        return areas
 
     @cached_property
     def volume(self) -> float:

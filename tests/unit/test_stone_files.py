@@ -100,6 +100,26 @@ def test_package_without_scenes_has_no_bundled_stones(monkeypatch, tmp_path):
     assert "no such file" in refusal("inoue-3")
 
 
+@pytest.mark.parametrize("name", ["inoue-3", "princess-ideal"])
+def test_nobody_writes_to_a_bundled_stone(name):
+    """It is the one that the next who loads it gets."""
+    stone = load_stone(name)
+    assert load_stone(name) is stone
+    solid, body = stone.solid, stone.solid.polyhedron
+    arrays = [
+        stone.vertices,
+        stone.facet_normals,
+        stone.facet_offsets,
+        solid.planes,
+        solid.facet,
+        solid.areas,
+    ]
+    arrays += [body.planes, body.vertices, body.corners, body.starts, body.edges, body.areas, body.middles]
+    for array in arrays:
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0
+
+
 def test_file_wins_over_a_bundled_stone():
     write(PROPORTIONS, "inoue-3")
     assert load_stone("inoue-3").name == "A stone"
