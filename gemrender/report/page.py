@@ -380,7 +380,7 @@ def _map(observation: Observation) -> dict[str, Any]:
         "size": len(x),
         "start": float(x[0]),
         "pitch": 2 * view.half_width / view.resolution * stride,
-        "data": base64.b64encode(zlib.compress(planes.tobytes(), 9)).decode(),
+        "data": base64.b64encode(zlib.compress(planes.tobytes())).decode(),
     }
 
 
