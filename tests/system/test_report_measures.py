@@ -69,7 +69,9 @@ def seen(loaded) -> Opened:
     """The page as it is without a link, with the mouse beside everything."""
     loaded.page.bring_to_front()  # behind another one it is drawn once a second
     loaded.page.mouse.move(0, 0)
-    follow(loaded, "#")
+    if is_chosen(loaded):
+        follow(loaded, "#")
+    loaded.page.evaluate("scrollTo(0, 0)")
     yield loaded
     assert loaded.errors == []
 
@@ -78,6 +80,11 @@ def follow(seen: Opened, link: str) -> None:
     """Open another link of the page."""
     seen.page.evaluate("link => { location.hash = link; scrollTo(0, 0); }", f"{link}&at={time.monotonic()}")
     seen.settle()
+
+
+def is_chosen(seen: Opened) -> bool:
+    """Whether anything was chosen since the link without anything was followed: it is in the link then."""
+    return not re.fullmatch(r"(#&at=[\d.]+)?", seen.page.evaluate("location.hash"))
 
 
 CELLS = """() => [
