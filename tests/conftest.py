@@ -8,6 +8,7 @@ A test that needs Mitsuba takes one of the variant fixtures and imports what it 
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import gc
 import os
@@ -83,7 +84,8 @@ def pytest_runtest_teardown(item: pytest.Item, nextitem: pytest.Item | None) -> 
 
 
 def pytest_sessionfinish() -> None:
-    gc.unfreeze()  # what Dr.Jit holds is let go in its order
+    # What Dr.Jit holds is let go in its order; but later than pytest has looked for garbage
+    atexit.register(gc.unfreeze)
 
 
 def _variant(name: str) -> Iterator[str]:

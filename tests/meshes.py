@@ -14,6 +14,8 @@ BOX_FACES = np.array(
         (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3),
     ]
 )  # fmt: skip
+#: Pairs of points and triangles whose distances are found together.
+_PAIRS = 20_000
 
 
 def box(half=(1, 1, 1), centre=(0, 0, 0), rotation=None):
@@ -34,10 +36,11 @@ def distances(points, triangles):
     """Distance of points (k, 3) from the nearest of triangles (n, 3, 3), by trimesh, (k,)."""
     from trimesh.triangles import closest_point
 
-    nearest = (closest_point(triangles, np.tile(point, (len(triangles), 1))) for point in points)
-    return np.array(
-        [np.linalg.norm(at - point, axis=1).min() for at, point in zip(nearest, points, strict=True)]
-    )
+    n, least = len(triangles), []
+    for some in np.array_split(points, 1 + len(points) * n // _PAIRS):
+        at = closest_point(np.tile(triangles, (len(some), 1, 1)), np.repeat(some, n, axis=0))
+        least.append(np.linalg.norm(at.reshape(-1, n, 3) - some[:, None], axis=2).min(axis=1))
+    return np.concatenate(least)
 
 
 def soup(positions, faces):
