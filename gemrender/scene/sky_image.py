@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from gemrender.errors import InputError
+from gemrender.scene.bitmaps import read_bitmap
 
 __all__ = ["IMAGE_SUFFIXES", "MOST_COLUMNS", "environment", "read_sky_image"]
 
@@ -65,9 +66,7 @@ def read_sky_image(path: str) -> np.ndarray:
 
 
 def _read(path: str) -> np.ndarray:
-    import mitsuba as mi
-
-    bitmap = mi.Bitmap(path)
+    bitmap = read_bitmap(path)
     names = [field.name for field in bitmap.struct_()]
     if missing := [name for name in "RGB" if name not in names]:
         raise InputError(f"has no channel {', '.join(missing)}", key="sky.image", value=path)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from gemrender.errors import InputError
 from gemrender.observation import Model, View
+from gemrender.scene.bitmaps import write_bitmap
 from gemrender.scene.generator import dielectric, stone_scene
 from gemrender.stone import Stone
 from gemrender.writing import write_whole
@@ -141,7 +142,7 @@ def _write(
         return lambda path: mesh.write_ply(str(path))
 
     def write_image(image: Any) -> Callable[[Path], object]:
-        return lambda path: image.write(str(path))
+        return lambda path: write_bitmap(image, path)
 
     try:
         folder.mkdir(parents=True, exist_ok=True)
