@@ -139,7 +139,7 @@ class Passes:
             Samples a pixel.
         both : bool
             Whether both halves get so many, after as many of each. The samples are those of two passes, and
-            the kernel is made once where it is made for each.
+            the integrator is traced in Python once for both.
         """
         halves = (0, 1) if both else (self._turns % 2,)
         pixels = self.width * self.height

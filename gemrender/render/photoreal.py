@@ -289,12 +289,12 @@ def _run(
             if end:
                 return end
             most = passes.samples_of_a_pass()
-            if spp is not None and passes.samples == 0 and spp % 2 == 0 and spp <= most:
+            if spp is None:
+                passes.add(most)
+            elif passes.samples == 0 and spp % 2 == 0 and spp <= most:
                 passes.add(spp // 2, both=True)
-            else:
-                if spp is not None:
-                    most = min(most, -(-spp // 2))  # two passes at least: their difference tells the noise
-                passes.add(most if spp is None else min(most, spp - passes.samples))
+            else:  # in two passes at least: their difference tells the noise
+                passes.add(min(most, -(-spp // 2), spp - passes.samples))
             _check_sound(passes)
     except KeyboardInterrupt:
         if passes.samples == 0:
