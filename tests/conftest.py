@@ -11,6 +11,7 @@ from __future__ import annotations
 import atexit
 import contextlib
 import gc
+import importlib
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -26,8 +27,11 @@ from gemrender.render.backend import ensure_variant, prepare_llvm
 
 # Dr.Jit loads its LLVM while it is imported, and test modules import it. Where there is none, the variant
 # fixtures say so, and the tests that need no Mitsuba still run.
-with contextlib.suppress(BackendError):
+with contextlib.suppress(BackendError, ImportError):
     prepare_llvm()
+    # Threads of Dr.Jit wait for work busily: those of one process of tests would take the others' cores
+    if processes := int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "0")):
+        importlib.import_module("drjit").set_thread_count(max(1, (os.cpu_count() or 1) // processes))
 
 # Where Python is told to keep no bytecode, every program that a test starts would compile the whole package:
 # two seconds instead of one, each time. xdist's workers are started with this too.

@@ -7,6 +7,7 @@ environment variable that names the library has to be set before.
 from __future__ import annotations
 
 import importlib
+import os
 import sys
 from typing import Any
 
@@ -23,7 +24,16 @@ from gemrender.render.llvm import (
     require_loadable,
 )
 
-__all__ = ["DRJIT", "MITSUBA", "LlvmLibrary", "ensure_variant", "find_llvm", "mitsuba", "prepare_llvm"]
+__all__ = [
+    "DRJIT",
+    "MITSUBA",
+    "LlvmLibrary",
+    "ensure_variant",
+    "find_llvm",
+    "mitsuba",
+    "prepare_llvm",
+    "usable_processors",
+]
 
 #: Versions that gemrender runs with, as pinned in pyproject.toml.
 MITSUBA, DRJIT = "3.9.1", "1.5.0"
@@ -120,6 +130,23 @@ def _activate(mi: Any, variant: str) -> None:
         except ImportError as error:
             raise backend_error(f"Mitsuba cannot use {variant} ({error})", "gemrender doctor") from error
     importlib.import_module("gemrender.plugins").register()
+    if usable_processors() == 1:
+        _give_second_thread()
+
+
+def usable_processors() -> int:
+    """Return how many processors this process may use; the machine's where the system does not say."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _give_second_thread() -> None:
+    """Give Dr.Jit, which has as many threads as there are processors, two at least.
+
+    Mitsuba 3.9.1 reads and writes OpenEXR by threads beside its own, and waits for ever where there are none.
+    """
+    dr = importlib.import_module("drjit")
+    if dr.thread_count() < 2:
+        dr.set_thread_count(2)
 
 
 def _import_mitsuba() -> Any:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from gemrender.errors import BackendError
-from gemrender.render.backend import DRJIT, MITSUBA
+from gemrender.render.backend import DRJIT, MITSUBA, usable_processors
 from gemrender.render.cures import cure_for_missing, found_and_cure, last_words, library_cure
 from gemrender.render.llvm import LLVM_VARIABLE, find_llvm
 
@@ -87,8 +87,7 @@ def _processor() -> str:
 
 def _threads() -> str:
     cores = os.cpu_count() or 1
-    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else cores
-    return f"{cores} cores, {usable} of them open to this process"
+    return f"{cores} cores, {usable_processors()} of them open to this process"
 
 
 def _check_package(name: str, wanted: str = "", *, required: bool = True) -> Check:

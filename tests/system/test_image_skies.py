@@ -14,6 +14,7 @@ import gemrender
 from gemrender.colorimetry import adapt, white_xyz, xyz_to_linear_srgb
 from gemrender.cuts import load_stone
 from gemrender.render.photoreal import make_gems, render
+from gemrender.scene.bitmaps import another_thread, write_bitmap
 from gemrender.scene.photoreal import photoreal_scene
 from gemrender.scene.placing import towards
 from gemrender.scene.setup import Box, Camera, Setup, Sky
@@ -43,7 +44,7 @@ def _spectral(variant_llvm_ad_spectral):
 def write(path, pixels):
     import mitsuba as mi
 
-    mi.Bitmap(np.ascontiguousarray(pixels, dtype=np.float32)).write(str(path))
+    write_bitmap(mi.Bitmap(np.ascontiguousarray(pixels, dtype=np.float32)), path)
     return str(path)
 
 
@@ -176,7 +177,8 @@ def test_a_scene_with_an_image_is_written_whole(tmp_path, stock):
     lit = np.stack([rgb[name] for name in "RGB"], axis=2).max(axis=(0, 1))
     if stock:  # white is the set-up's
         np.testing.assert_allclose(lit, 3.0, rtol=1e-3)
-    loaded = mi.load_file(str(path), optimize=False, parallel=False)
+    with another_thread():
+        loaded = mi.load_file(str(path), optimize=False, parallel=False)
     image = np.asarray(mi.render(loaded, spp=4))
     np.testing.assert_allclose(
         image, np.asarray(mi.render(mi.load_dict(scene.to_dict(), parallel=False), spp=4)), atol=1e-2

@@ -15,6 +15,7 @@ from thorough import chosen
 from gemrender.cuts import load_stone
 from gemrender.render.llvm import LLVM_VARIABLE, export_line
 from gemrender.render.photoreal import make_gems
+from gemrender.scene.bitmaps import read_bitmap
 from gemrender.scene.photoreal import photoreal_scene
 from gemrender.scene.setup import Setup, Sky
 from gemrender.scene.xml import write_photoreal
@@ -63,7 +64,7 @@ def rendered_by_the_program(scene, variant, folder):
         cwd=folder, env=environment({LLVM_VARIABLE: ""}), capture_output=True, text=True, timeout=60,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr
-    return np.array(mi.Bitmap(str(folder / "x.exr")).convert(mi.Bitmap.PixelFormat.RGB))
+    return np.array(read_bitmap(folder / "x.exr").convert(mi.Bitmap.PixelFormat.RGB))
 
 
 @needs_the_program

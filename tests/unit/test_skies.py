@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from observations import run_python
 
 from gemrender.colorimetry import white_xyz
 from gemrender.errors import InputError
@@ -54,23 +53,6 @@ def _variant(variant_llvm_ad_spectral):
 def test_an_exr_image_is_read_as_it_is(rng):
     pixels = rng.uniform(0, 1e4, (8, 16, 3)).astype(np.float32)
     np.testing.assert_array_equal(read_sky_image(write_exr("a.exr", pixels)), pixels)
-
-
-ON_ONE_THREAD = """
-import gemrender, numpy as np
-mi = gemrender.mitsuba("llvm_ad_spectral")
-import drjit as dr
-from gemrender.scene.bitmaps import read_bitmap, write_bitmap
-dr.set_thread_count(1)
-write_bitmap(mi.Bitmap(np.full((8, 16, 3), 2, dtype=np.float32)), "a.exr")
-print(np.array(read_bitmap("a.exr")).mean(), dr.thread_count())
-"""
-
-
-def test_images_are_written_and_read_on_one_thread():
-    """Mitsuba waits for others for ever, as on a machine of one processor."""
-    done = run_python("-c", ON_ONE_THREAD)
-    assert (done.returncode, done.stdout) == (0, "2.0 1\n"), done.stderr
 
 
 def test_a_radiance_file_is_read_to_its_eight_bits(rng):
