@@ -37,6 +37,10 @@ with contextlib.suppress(BackendError, ImportError):
 # two seconds instead of one, each time. xdist's workers are started with this too.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
+# Threads of NumPy's matrix products wait busily, too, and matrices of tests are small. NumPy looks at this
+# when it is imported: it is for xdist's workers and for programs that tests start.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Iterator[None]:
