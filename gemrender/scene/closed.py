@@ -13,6 +13,7 @@ import numpy as np
 
 from gemrender.errors import InputError
 from gemrender.scene.nesting import nested
+from gemrender.stone.connected import connected
 
 __all__ = ["ClosedSurface", "closed_surface"]
 
@@ -141,7 +142,7 @@ def _same_places(positions: np.ndarray, tolerance: float) -> np.ndarray:
         np.minimum.at(first, inverse, np.arange(len(positions)))
         a.append(np.arange(len(positions)))
         b.append(first[inverse])
-    return np.unique(_connected(len(positions), np.concatenate(a), np.concatenate(b)), return_inverse=True)[1]
+    return np.unique(connected(len(positions), np.concatenate(a), np.concatenate(b)), return_inverse=True)[1]
 
 
 def _row_numbers(rows: np.ndarray) -> np.ndarray:
@@ -249,7 +250,7 @@ def _agreeing(n_faces: int, edges: np.ndarray, place: np.ndarray) -> tuple[np.nd
     against = one[:, 0] == other[:, 0]
     f, g = one[:, 2], other[:, 2]
     as_it_is, turned = f, f + n_faces
-    label = _connected(
+    label = connected(
         2 * n_faces,
         np.concatenate([as_it_is, turned]),
         np.concatenate([np.where(against, g + n_faces, g), np.where(against, g, g + n_faces)]),
@@ -258,21 +259,6 @@ def _agreeing(n_faces: int, edges: np.ndarray, place: np.ndarray) -> tuple[np.nd
         raise InputError("must have an inside and an outside; it is one-sided, as a Moebius strip is")
     part = np.minimum(label[:n_faces], label[n_faces:])
     return np.where(label[:n_faces] == part, 1, -1), part
-
-
-def _connected(n: int, a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """Return the least number of what each of n nodes is connected to, by edges a[i], b[i]; (n,)."""
-    label = np.arange(n)
-    while True:
-        low = np.minimum(label[a], label[b])
-        new = label.copy()
-        np.minimum.at(new, label[a], low)
-        np.minimum.at(new, label[b], low)
-        while not np.array_equal(new, new[new]):
-            new = new[new]
-        if np.array_equal(new, label):
-            return label
-        label = new
 
 
 def _refuse_unbalanced(edges: np.ndarray, place: np.ndarray, sign: np.ndarray) -> None:

@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from gemrender.errors import InputError
+from gemrender.stone.connected import connected
 
 __all__ = ["Polyhedron", "interior_point", "intersect"]
 
@@ -182,13 +183,10 @@ def interior_point(planes: np.ndarray) -> np.ndarray:
 
 def _one_each(points: np.ndarray, neighbours: np.ndarray, near: float) -> np.ndarray:
     """Return a number for each corner (n, 3), one for neighbours that are near each other, (n,) int."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     one, other = np.repeat(np.arange(len(points)), 3), neighbours.reshape(-1)
     short = (one < other) & (np.linalg.norm(points[one] - points[other], axis=1) <= near)
-    links = coo_array((short[short], (one[short], other[short])), shape=(len(points),) * 2)
-    return np.asarray(connected_components(links, directed=False)[1])
+    least = connected(len(points), one[short], other[short])
+    return np.unique(least, return_inverse=True)[1].reshape(-1)
 
 
 def _oriented(simplices: np.ndarray, neighbours: np.ndarray) -> np.ndarray:
@@ -218,7 +216,7 @@ def _polygons(
     """Walk round each plane's point on the dual hull: the triangles there are its corners, in order."""
     # Each corner of a triangle is a step round that plane's point, from one neighbour to the next.
     plane = triangles.reshape(-1)
-    start, end = np.roll(triangles, -1, axis=1).reshape(-1), np.roll(triangles, -2, axis=1).reshape(-1)
+    start, end = triangles[:, [1, 2, 0]].reshape(-1), triangles[:, [2, 0, 1]].reshape(-1)
     n = len(planes)
     by_start = np.argsort(plane * n + start)
     following = by_start[np.searchsorted((plane * n + start)[by_start], plane * n + end)].tolist()
