@@ -19,6 +19,8 @@ _PIECES = 256
 _CHAMFER = 1e-4
 #: Edges of a smaller length are rounding: meshes come in single precision [stone's unit].
 _LEAST_LENGTH = 1e-6
+#: Places times edges that are looked at together.
+_AT_ONCE = 1 << 20
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -143,25 +145,28 @@ def _girdle_thickness(stone: Stone) -> tuple[list[float], float]:
     if isinstance(stone.solid, MeshSolid):
         walls = _walls_of(stone.solid, sides == GIRDLE, len(stone.facet_normals))
     else:
-        walls = [[vertices[p]] for p, side in zip(polygons, sides, strict=True) if side == GIRDLE]
-    thickness, area, around = [], 0.0, 0.0
+        walls = [vertices[p][None] for p, side in zip(polygons, sides, strict=True) if side == GIRDLE]
+    by_shape: dict[tuple[int, ...], list[np.ndarray]] = {}
     for wall in walls:
-        along = _along(wall)
-        edges = np.concatenate([np.stack([p, np.roll(p, -1, axis=0)], axis=1) for p in wall])
-        flat = np.stack([edges @ along, edges[..., 2]], axis=-1)
-        places = np.unique(flat[..., 0].round(6))
-        heights = np.array([_height_at(flat, place) for place in places])
-        one = np.cumsum(np.diff(places, prepend=places[0]) > _CHAMFER)
-        thickness += [float(heights[one == k].max()) for k in range(one[-1] + 1)]
-        area += 0.5 * float(np.diff(places) @ (heights[1:] + heights[:-1]))
-        around += float(np.ptp(places))
+        by_shape.setdefault(wall.shape, []).append(wall)
+    thickness, area, around = [], 0.0, 0.0
+    for alike in map(np.array, by_shape.values()):
+        edges = np.stack([alike, np.roll(alike, -1, axis=2)], axis=3).reshape(len(alike), -1, 2, 3)
+        flat = np.stack([np.einsum("weki,wi->wek", edges[..., :2], _along(edges)), edges[..., 2]], axis=-1)
+        places = np.sort(flat[:, :, 0, 0].round(6), axis=1)
+        heights = _heights_at(flat, places)
+        widths = np.diff(places, axis=1)
+        is_apart = np.insert(widths > _CHAMFER, 0, True, axis=1)
+        thickness += np.maximum.reduceat(heights.ravel(), np.flatnonzero(is_apart)).tolist()
+        area += 0.5 * float((widths * (heights[:, 1:] + heights[:, :-1])).sum())
+        around += float(widths.sum())
     if _has_knife_edge(vertices, polygons, sides) or not thickness:
         thickness.append(0.0)
     return thickness, area / around if around else 0.0
 
 
-def _walls_of(solid: MeshSolid, is_girdle: np.ndarray, n_planes: int) -> list[list[np.ndarray]]:
-    """Gather the triangles (3, 3) of a mesh's girdle that lie in one plane."""
+def _walls_of(solid: MeshSolid, is_girdle: np.ndarray, n_planes: int) -> list[np.ndarray]:
+    """Gather the triangles (n, 3, 3) of a mesh's girdle that lie in one plane."""
     walls: dict[tuple[float, ...], list[np.ndarray]] = {}
     for number in np.flatnonzero(is_girdle):
         facet, piece = int(solid.facet[number]), solid.vertices[solid.triangles[number]]
@@ -170,30 +175,34 @@ def _walls_of(solid: MeshSolid, is_girdle: np.ndarray, n_planes: int) -> list[li
             ends = np.unique((piece[:, :2] / _LEAST_LENGTH).round(), axis=0)
             key = (facet, *ends.ravel().tolist())
         walls.setdefault(key, []).append(piece)
-    return list(walls.values())
+    return [np.array(wall) for wall in walls.values()]
 
 
-def _along(wall: list[np.ndarray]) -> np.ndarray:
-    """Return the level direction in which a wall runs, (3,)."""
-    points = np.concatenate(wall)
-    level = points[:, :2] - points[0, :2]
-    far = level[np.hypot(*level.T).argmax()]
-    return np.array([*far / np.hypot(*far), 0.0])
+def _along(edges: np.ndarray) -> np.ndarray:
+    """Return the level direction in which each wall of edges (w, n, 2, 3) runs, (w, 2)."""
+    level = edges[:, :, 0, :2] - edges[:, :1, 0, :2]
+    farthest = np.hypot(level[..., 0], level[..., 1]).argmax(axis=1)
+    far = level[np.arange(len(edges)), farthest]
+    return np.asarray(far / np.hypot(far[:, 0], far[:, 1])[:, None])
 
 
-def _height_at(edges: np.ndarray, place: float) -> float:
-    """Return how high a wall of edges (n, 2, 2) is at a place along it."""
-    start, end = edges[:, 0], edges[:, 1]
-    span = end[:, 0] - start[:, 0]
-    near = (np.minimum(start[:, 0], end[:, 0]) <= place + _LEAST_LENGTH) & (
-        np.maximum(start[:, 0], end[:, 0]) >= place - _LEAST_LENGTH
+def _heights_at(edges: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Return how high walls of edges (w, n, 2, 2) are at places (w, m) along them, on edges, (w, m)."""
+    rows = max(1, _AT_ONCE // edges[..., 0, 0].size)
+    if places.shape[1] > rows:
+        parts = np.split(places, range(rows, places.shape[1], rows), axis=1)
+        return np.concatenate([_heights_at(edges, part) for part in parts], axis=1)
+    (from_x, from_z), (to_x, to_z) = (np.moveaxis(edges[:, None, :, k], -1, 0) for k in (0, 1))
+    place = places[..., None]
+    near = (np.minimum(from_x, to_x) <= place + _LEAST_LENGTH) & (
+        np.maximum(from_x, to_x) >= place - _LEAST_LENGTH
     )
-    start, end, span = start[near], end[near], span[near]
-    upright = np.abs(span) <= _LEAST_LENGTH
-    share = np.clip((place - start[:, 0]) / np.where(upright, 1.0, span), 0.0, 1.0)
-    between = start[:, 1] + share * (end[:, 1] - start[:, 1])
-    heights = np.concatenate([between[~upright], start[upright, 1], end[upright, 1]])
-    return float(np.ptp(heights))
+    upright = np.abs(to_x - from_x) <= _LEAST_LENGTH
+    share = np.clip((place - from_x) / np.where(upright, 1.0, to_x - from_x), 0.0, 1.0)
+    between = from_z + share * (to_z - from_z)
+    one, other = np.where(upright, from_z, between), np.where(upright, to_z, between)
+    top = np.where(near, np.maximum(one, other), -np.inf).max(axis=2)
+    return np.asarray(top - np.where(near, np.minimum(one, other), np.inf).min(axis=2))
 
 
 def _has_knife_edge(vertices: np.ndarray, polygons: list[np.ndarray], sides: np.ndarray) -> bool:
