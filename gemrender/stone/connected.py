@@ -10,8 +10,8 @@ __all__ = ["connected"]
 def connected(n: int, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Return the least number of what each of n nodes is connected to.
 
-    As `scipy.sparse.csgraph.connected_components` tells apart, whose matrices take longer to make than the few
-    hundred corners of a cut stone to go through.
+    As `scipy.sparse.csgraph.connected_components` tells apart, whose matrix takes longer to make than the few
+    hundred corners of a cut stone take to go through.
 
     Parameters
     ----------

@@ -10,7 +10,7 @@ import logging
 import threading
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 from gemrender.beam import prepare
 from gemrender.errors import GemrenderError, InputError
@@ -23,13 +23,22 @@ from gemrender.studio.studies import Outdated, studies
 
 __all__ = ["Live", "Shown"]
 
-#: Nothing has moved for so long before studies begin [s].
-_REST = 0.25
+#: Nothing has moved for so long before studies begin [s]: longer than a page on a slow machine draws.
+_REST = 0.4
 
 _log = logging.getLogger("gemrender.studio")
 
 Send = Callable[[bytes], None]
 Shown = Callable[[Wanted, Stone, Score], None]
+
+
+class _Seen(NamedTuple):
+    """What a page shows: the count of what it wanted, that, its stone, and whether it is the same at rest."""
+
+    generation: int
+    wanted: Wanted
+    stone: Stone
+    is_final: bool
 
 
 class Live:
@@ -51,7 +60,7 @@ class Live:
         self._changed = threading.Condition()
         self._newest: Mapping[str, Any] | None = None
         self._generation, self._done = 0, 0
-        self._shown: tuple[int, Wanted, Stone] | None = None
+        self._shown: _Seen | None = None
         self._is_closed = False
         self._threads = [
             threading.Thread(target=work, name=f"studio {name}", daemon=True)
@@ -95,16 +104,17 @@ class Live:
             shown = self._frame(told)
             with self._changed:
                 self._done = generation
-                self._shown = None if shown is None else (generation, *shown)
+                self._shown = None if shown is None else _Seen(generation, *shown)
                 self._changed.notify_all()
 
-    def _frame(self, told: Mapping[str, Any]) -> tuple[Wanted, Stone] | None:
-        """Send a frame, or in one line why there is none."""
+    def _frame(self, told: Mapping[str, Any]) -> tuple[Wanted, Stone, bool] | None:
+        """Send a frame, or in one line why there is none; return what it is of, and whether it is final."""
         number = told.get("number")
         try:
             wanted = Wanted.of(told)
             stone = wanted.stone(self._shelf)
-            self._show(wanted, stone, *frame(wanted, stone, MOVING))
+            header, arrays, score = frame(wanted, stone, MOVING)
+            self._show(wanted, stone, header, arrays, score)
         except (GemrenderError, RecursionError) as error:
             self._refuse(number, error)
             return None
@@ -112,7 +122,7 @@ class Live:
             _log.warning("studio: %s: %s", type(error).__name__, error)
             self._refuse(number, InputError("cannot be shown; the server's terminal says more"))
             return None
-        return wanted, stone
+        return wanted, stone, bool(header["isSettled"]) and not stone.is_round
 
     def _show(self, wanted: Wanted, stone: Stone, header: Any, arrays: Any, score: Score) -> None:
         self._send(packed(header, arrays))
@@ -127,11 +137,12 @@ class Live:
     def _study(self) -> None:
         studied = 0
         while (shown := self._rested(studied)) is not None:
-            studied, wanted, stone = shown
+            studied, wanted, stone, is_final = shown
             check = partial(self._check, studied)
             try:
                 self._picture(studied, wanted, stone)
-                self._settle(check, wanted, stone)
+                if not is_final:
+                    self._settle(check, wanted, stone)
                 for message in studies(wanted, stone, self._shelf, check):
                     check()
                     self._send(packed(message))
@@ -141,14 +152,15 @@ class Live:
             except Exception as error:  # a study that fails is one that is missing
                 _log.warning("studio: %s: %s", type(error).__name__, error)
 
-    def _rested(self, studied: int) -> tuple[int, Wanted, Stone] | None:
+    def _rested(self, studied: int) -> _Seen | None:
         """Wait until something else than what was studied is shown, and for a while; None at the end."""
         with self._changed:
             while not self._is_closed:
-                if self._shown is None or self._shown[0] == studied or self._shown[0] != self._generation:
+                shown = self._shown
+                if shown is None or shown.generation == studied or shown.generation != self._generation:
                     self._changed.wait()
                 elif not self._changed.wait(_REST):
-                    return self._shown
+                    return shown
             return None
 
     def _picture(self, studied: int, wanted: Wanted, stone: Stone) -> None:

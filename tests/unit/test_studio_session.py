@@ -349,3 +349,30 @@ def test_a_frame_that_moves_is_as_one_at_rest_but_for_its_bound():
     wanted = Wanted.of(told("inoue-1"))
     moving, resting = (frame(wanted, wanted.stone({}), effort)[0]["score"] for effort in (MOVING, RESTING))
     assert abs(moving["average"] - resting["average"]) <= moving["bound"] + resting["bound"]
+
+
+def test_a_settled_frame_of_flat_facets_is_the_one_at_rest():
+    wanted = Wanted.of(told("emerald-market"))
+    (moving, arrays, _), (resting, same, _) = (
+        frame(wanted, wanted.stone({}), effort) for effort in (MOVING, RESTING)
+    )
+    assert moving["isSettled"]
+    assert {**moving, "seconds": 0} == {**resting, "seconds": 0}
+    for name, values in arrays.items():
+        np.testing.assert_array_equal(values, same[name], err_msg=name)
+
+
+@pytest.mark.parametrize(("name", "frames"), [("emerald-market", 1), ("inoue-3", 2)])
+def test_a_frame_is_sent_again_at_rest_where_it_becomes_finer(name, frames, monkeypatch):
+    """A round girdle has more pieces then."""
+    monkeypatch.setattr("gemrender.studio.live.studies", lambda *_: [])
+    sent = queue.Queue()
+    live = Live({}, sent.put)
+    try:
+        live.want(told(name))
+        kinds = [""]
+        while kinds[-1] != "rested":
+            kinds.append(read(sent.get(timeout=60))[0]["type"])
+    finally:
+        live.close(wait=60)
+    assert kinds[1:] == [*["frame"] * frames, "rested"]
