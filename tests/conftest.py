@@ -13,6 +13,7 @@ import contextlib
 import gc
 import importlib
 import os
+import signal
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -40,6 +41,10 @@ os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 # Threads of NumPy's matrix products wait busily, too, and matrices of tests are small. NumPy looks at this
 # when it is imported: it is for xdist's workers and for programs that tests start.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+# Shells have their jobs in the background ignore SIGINT, and so would every program that a test interrupts.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.hookimpl(wrapper=True)
@@ -130,6 +135,15 @@ def variant_llvm_ad_spectral() -> Iterator[str]:
 @pytest.fixture(params=["llvm_ad_mono", "llvm_ad_rgb", "llvm_ad_spectral"])
 def variants_all(request: pytest.FixtureRequest) -> Iterator[str]:
     yield from _variant(request.param)
+
+
+@pytest.fixture
+def hangups_end() -> Iterator[None]:
+    """SIGHUP has its usual meaning, in programs that a test starts, too; nohup has them ignore it."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL) if hasattr(signal, "SIGHUP") else None
+    yield
+    if before is not None:
+        signal.signal(signal.SIGHUP, before)
 
 
 @pytest.fixture

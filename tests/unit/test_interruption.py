@@ -13,6 +13,8 @@ import pytest
 from gemrender.interruption import interrupted_by_signals, interruptions_held
 from tests.observations import environment
 
+pytestmark = pytest.mark.usefixtures("hangups_end")
+
 STATUS = {"SIGTERM": 143, "SIGHUP": 129, "SIGINT": 130}
 
 

@@ -20,6 +20,8 @@ from gemrender.sweep.workers import MOST_TRIES, LostProcessError, in_processes
 from tests import worker_tasks
 from tests.observations import environment
 
+pytestmark = pytest.mark.usefixtures("hangups_end")
+
 #: By then a process has ended, however busy the machine is [s].
 ENDS_WITHIN = 30.0
 
