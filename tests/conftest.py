@@ -24,7 +24,7 @@ from observations import TERMINAL_VARIABLES
 from gemrender import cli
 from gemrender.errors import BackendError
 from gemrender.progress import ProgressLines
-from gemrender.render.backend import ensure_variant, prepare_llvm
+from gemrender.render.backend import ensure_variant, prepare_llvm, usable_processors
 
 # Dr.Jit loads its LLVM while it is imported, and test modules import it. Where there is none, the variant
 # fixtures say so, and the tests that need no Mitsuba still run.
@@ -32,7 +32,7 @@ with contextlib.suppress(BackendError, ImportError):
     prepare_llvm()
     # Threads of Dr.Jit wait for work busily: those of one process of tests would take the others' cores
     if processes := int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "0")):
-        importlib.import_module("drjit").set_thread_count(max(1, (os.cpu_count() or 1) // processes))
+        importlib.import_module("drjit").set_thread_count(max(1, usable_processors() // processes))
 
 # Where Python is told to keep no bytecode, every program that a test starts would compile the whole package:
 # two seconds instead of one, each time. xdist's workers are started with this too.

@@ -143,17 +143,20 @@ def _girdle_thickness(stone: Stone) -> tuple[list[float], float]:
     """Return the girdle's thickness wherever an edge begins or ends, and its mean along the outline."""
     vertices, polygons, sides = _sides(stone)
     if isinstance(stone.solid, MeshSolid):
-        walls = _walls_of(stone.solid, sides == GIRDLE, len(stone.facet_normals))
-    else:
-        walls = [vertices[p][None] for p, side in zip(polygons, sides, strict=True) if side == GIRDLE]
-    by_shape: dict[tuple[int, ...], list[np.ndarray]] = {}
-    for wall in walls:
-        by_shape.setdefault(wall.shape, []).append(wall)
+        walls = [wall[None] for wall in _walls_of(stone.solid, sides == GIRDLE, len(stone.facet_normals))]
+    else:  # those with as many corners at once
+        by_corners: dict[int, list[np.ndarray]] = {}
+        for polygon, side in zip(polygons, sides, strict=True):
+            if side == GIRDLE:
+                by_corners.setdefault(len(polygon), []).append(vertices[polygon][None])
+        walls = [np.array(alike) for alike in by_corners.values()]
     thickness, area, around = [], 0.0, 0.0
-    for alike in map(np.array, by_shape.values()):
+    for alike in walls:  # (w, polygons of each, corners of each, 3)
         edges = np.stack([alike, np.roll(alike, -1, axis=2)], axis=3).reshape(len(alike), -1, 2, 3)
         flat = np.stack([np.einsum("weki,wi->wek", edges[..., :2], _along(edges)), edges[..., 2]], axis=-1)
         places = np.sort(flat[:, :, 0, 0].round(6), axis=1)
+        if len(alike) == 1:  # of a fine mesh most are the same
+            places = np.unique(places)[None]
         heights = _heights_at(flat, places)
         widths = np.diff(places, axis=1)
         is_apart = np.insert(widths > _CHAMFER, 0, True, axis=1)
@@ -192,7 +195,7 @@ def _heights_at(edges: np.ndarray, places: np.ndarray) -> np.ndarray:
     if places.shape[1] > rows:
         parts = np.split(places, range(rows, places.shape[1], rows), axis=1)
         return np.concatenate([_heights_at(edges, part) for part in parts], axis=1)
-    (from_x, from_z), (to_x, to_z) = (np.moveaxis(edges[:, None, :, k], -1, 0) for k in (0, 1))
+    from_x, from_z, to_x, to_z = (edges[:, None, :, end, along] for end in (0, 1) for along in (0, 1))
     place = places[..., None]
     near = (np.minimum(from_x, to_x) <= place + _LEAST_LENGTH) & (
         np.maximum(from_x, to_x) >= place - _LEAST_LENGTH

@@ -28,7 +28,17 @@ from gemrender.stone.facets import CROWN, GIRDLE, PAVILION
 from gemrender.studio.cuttings import present_values, stone_of
 from gemrender.studio.texts import is_number
 
-__all__ = ["MOVING", "RESTING", "Effort", "Wanted", "frame", "images_of", "measured_values", "traced"]
+__all__ = [
+    "MOVING",
+    "RESTING",
+    "Effort",
+    "Wanted",
+    "frame",
+    "images_of",
+    "is_final",
+    "measured_values",
+    "traced",
+]
 
 
 class Effort(NamedTuple):
@@ -221,6 +231,11 @@ def frame(
         **_polygons(facets),
     }
     return header, arrays, told
+
+
+def is_final(header: Mapping[str, Any]) -> bool:
+    """Return whether a frame would be the same at rest: settled, and no round girdle is drawn finer."""
+    return bool(header["isSettled"]) and not header["round"]
 
 
 def _polygons(facets: VirtualFacets) -> dict[str, np.ndarray]:

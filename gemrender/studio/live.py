@@ -16,7 +16,7 @@ from gemrender.beam import prepare
 from gemrender.errors import GemrenderError, InputError
 from gemrender.scoring import Score
 from gemrender.stone import Stone
-from gemrender.studio.frames import MOVING, RESTING, Wanted, frame
+from gemrender.studio.frames import MOVING, RESTING, Wanted, frame, is_final
 from gemrender.studio.pictures import Pictures
 from gemrender.studio.protocol import packed
 from gemrender.studio.studies import Outdated, studies
@@ -122,7 +122,7 @@ class Live:
             _log.warning("studio: %s: %s", type(error).__name__, error)
             self._refuse(number, InputError("cannot be shown; the server's terminal says more"))
             return None
-        return wanted, stone, bool(header["isSettled"]) and not stone.is_round
+        return wanted, stone, is_final(header)
 
     def _show(self, wanted: Wanted, stone: Stone, header: Any, arrays: Any, score: Score) -> None:
         self._send(packed(header, arrays))
@@ -137,11 +137,11 @@ class Live:
     def _study(self) -> None:
         studied = 0
         while (shown := self._rested(studied)) is not None:
-            studied, wanted, stone, is_final = shown
+            studied, wanted, stone, _ = shown
             check = partial(self._check, studied)
             try:
                 self._picture(studied, wanted, stone)
-                if not is_final:
+                if not shown.is_final:
                     self._settle(check, wanted, stone)
                 for message in studies(wanted, stone, self._shelf, check):
                     check()

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from any_stones import FOLDER, design, facets_in, hollow_stone
+from solids import star_outline, star_prism
 
 from gemrender import cli
 from gemrender.cuts import load_stone
@@ -19,7 +20,7 @@ from gemrender.report.inspection import (
     inspection_values,
 )
 from gemrender.report.measured import measured_dimensions
-from gemrender.stone import Facet, Stone, convex_solid, in_frame, side_of
+from gemrender.stone import Facet, MeshSolid, Stone, convex_solid, in_frame, side_of
 from gemrender.studio.texts import dropped_stones, saved
 
 TRUTH = json.loads((FOLDER / "truth.json").read_text(encoding="utf-8"))
@@ -59,6 +60,21 @@ def test_a_wedge_has_a_girdle_from_thin_to_thick():
     girdle = d["girdle_thickness"]
     assert (girdle.least, girdle.most) == pytest.approx((10.0, 30.0))
     assert girdle.value == pytest.approx(20.0)  # the mean along all four sides
+
+
+def test_a_girdle_is_as_thick_however_finely_its_mesh_is_cut():
+    """A prism 0.5 high over a star, each wall of 2 triangles or of 128."""
+    subdivide = pytest.importorskip("trimesh").remesh.subdivide
+    stone = star_prism()
+    solid, percent = stone.solid, 100.0 * 0.5 / np.ptp(star_outline(), axis=0).min()
+    for _ in range(4):
+        girdle = measured_dimensions(replace(stone, solid=solid))["girdle_thickness"]
+        assert (girdle.least, girdle.value, girdle.most) == pytest.approx((percent,) * 3)
+        vertices, triangles, pieces = subdivide(solid.vertices, solid.triangles, return_index=True)
+        facet = np.empty(len(triangles), dtype=np.int64)
+        for triangle, numbers in pieces.items():
+            facet[numbers] = solid.facet[triangle]
+        solid = MeshSolid(vertices=vertices, triangles=triangles, facet=facet)
 
 
 def test_a_bipyramid_has_no_girdle():
