@@ -77,6 +77,15 @@ COUNT = """(() => {
     };
 })()"""
 
+#: Makes a browser one without WebGL, which draws no stone in 3D: without a graphics card that takes most of a
+#: page's time.
+NO_WEBGL = """(() => {
+    const { getContext } = HTMLCanvasElement.prototype;
+    HTMLCanvasElement.prototype.getContext = function (kind, ...all) {
+        return kind.startsWith('webgl') ? null : getContext.call(this, kind, ...all);
+    };
+})();"""
+
 #: What was asked for is drawn in the next frame, or the one after where a stone comes into sight first.
 FRAMES = """() => new Promise((drawn) => {
     requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(drawn)));
@@ -130,7 +139,14 @@ class Windows:
     contexts: dict[bool, Any] = field(default_factory=dict)
 
     def open(
-        self, file: Path, link: str = "", *, phone: bool = False, dark: bool = False, script: str = ""
+        self,
+        file: Path,
+        link: str = "",
+        *,
+        phone: bool = False,
+        dark: bool = False,
+        webgl: bool = True,
+        script: str = "",
     ) -> Opened:
         """Open a page in a window of its own, with a link's end such as "#x=0.1", after a script."""
         if phone not in self.contexts:
@@ -139,7 +155,7 @@ class Windows:
             )
         page = self.contexts[phone].new_page()
         page.emulate_media(color_scheme="dark" if dark else "light")
-        page.add_init_script(script)
+        page.add_init_script(script if webgl else NO_WEBGL + script)
         seen = Opened(page)
         address = file.as_uri()
 

@@ -12,6 +12,7 @@ from itertools import pairwise
 import numpy as np
 
 from gemrender.errors import InputError
+from gemrender.scene.content_cache import cached_by_content
 from gemrender.scene.nesting import nested
 from gemrender.stone.connected import connected
 
@@ -47,7 +48,12 @@ class ClosedSurface:
     outward: np.ndarray
     body: np.ndarray
 
+    def __post_init__(self) -> None:
+        for array in (self.triangles, self.outward, self.body):
+            array.setflags(write=False)  # the same surface is returned again
 
+
+@cached_by_content
 def closed_surface(positions: np.ndarray, faces: np.ndarray) -> ClosedSurface:
     """Find the solid that a mesh is the surface of.
 

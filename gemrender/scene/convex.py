@@ -10,6 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gemrender.scene.content_cache import cached_by_content
+
 __all__ = ["PlacedSolid", "fits", "placed_solid"]
 
 #: How far a vertex may lie beyond a plane, or beside the girdle's cylinder [share of the solid's size]: the
@@ -35,6 +37,10 @@ class PlacedSolid:
 
     planes: np.ndarray
     cylinder: np.ndarray | None
+
+    def __post_init__(self) -> None:
+        for array in (self.planes, *([] if self.cylinder is None else [self.cylinder])):
+            array.setflags(write=False)  # the same solid is returned again
 
     def holds(self, points: np.ndarray, margin: float = 0.0) -> np.ndarray:
         """Return whether points (k, 3) lie inside, or less than `margin` outside, (k,) bool."""
@@ -70,6 +76,7 @@ def fits(positions: np.ndarray, faces: np.ndarray, planes: np.ndarray) -> bool:
     return bool((np.abs(off) <= _FLAT * _size(positions)).all())  # false for NaN too
 
 
+@cached_by_content
 def placed_solid(
     positions: np.ndarray, normals: np.ndarray, faces: np.ndarray, planes: np.ndarray
 ) -> PlacedSolid | None:

@@ -61,7 +61,7 @@ def page(studied, tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="module")
 def loaded(windows, page) -> Opened:
-    return windows.open(page)
+    return windows.open(page, webgl=False)
 
 
 @pytest.fixture
@@ -199,7 +199,7 @@ def test_a_definition_is_one_click_away(seen):
 
 
 def test_the_table_stays_on_top_and_a_phone_scrolls_one_way(opened, page):
-    seen = opened(page, phone=True, dark=True)
+    seen = opened(page, phone=True, dark=True, webgl=False)
     seen.page.evaluate("scrollTo(0, 1500)")
     box = seen.page.locator("#scores").bounding_box()
     assert box["y"] == pytest.approx(0, abs=1)
@@ -347,7 +347,7 @@ def test_what_was_chosen_is_in_the_link(seen, opened, page, studied):
     assert re.fullmatch(r"#stone=2&x=0\.\d+&y=-0\.\d+&sort=-rear&baseline=2&tilt=5&curve=rear", link)
     chosen = seen.ray(), cells(seen)
     follow(seen, "#")  # no more to be traced
-    again = opened(page, link)
+    again = opened(page, link, webgl=False)
     assert (again.ray(), cells(again)) == chosen
     assert again.page.locator("#scores output").inner_text() == "5°"
     assert again.page.locator("#curve select").input_value() == "rear"

@@ -56,8 +56,12 @@ const GemStage = (() => {
     let shared; // undefined: not asked for yet; null: this browser has none
     function renderer() {
         if (shared === undefined) {
+            // Three would write an error to the console where there is none
+            const canvas = document.createElement('canvas');
+            const context = canvas.getContext('webgl2', { antialias: true, alpha: true });
+            if (context === null) return (shared = null);
             try {
-                shared = new THREE.WebGLRenderer({ antialias: true, alpha: true });
+                shared = new THREE.WebGLRenderer({ canvas, context, antialias: true, alpha: true });
                 shared.autoClear = false;
                 shared.setPixelRatio(1);
                 shared.setClearColor(0x000000, 0); // which it else does only as it draws, after the first clearing
