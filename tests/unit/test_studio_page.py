@@ -11,7 +11,7 @@ from contextlib import contextmanager, suppress
 
 import numpy as np
 import pytest
-from browser_help import CHROMIUM, CONTRASTS, FLAGS, LEAST_CONTRAST, WINDOW
+from browser_help import CHROMIUM, CONTRASTS, FLAGS, LEAST_CONTRAST, NO_WEBGL, WINDOW
 from echo_painter import echoing
 
 import gemrender
@@ -177,7 +177,9 @@ def test_the_page_is_used_by_hand_and_by_keys_and_outlives_its_server(context, s
 def test_a_picture_is_shown_saved_and_faded_while_something_moves(context, monkeypatch):
     png = png_bytes(np.full((8, 8, 3), 200, dtype=np.uint8))
     begun = echoing(monkeypatch, png)
+    monkeypatch.setattr("gemrender.studio.live.studies", lambda *_: iter(()))  # of curves, maps and cliffs
     page, errors = context.new_page(), []
+    page.add_init_script(NO_WEBGL)
     page.on("console", lambda message: message.type == "error" and errors.append(message.text))
     page.on("pageerror", lambda error: errors.append(str(error)))
     with running() as port:
@@ -240,6 +242,7 @@ async ([script]) => {
 
 def test_the_page_runs_in_a_notebooks_frame_and_reaches_nothing_of_it(context, scored):
     page, errors, asked, sent = context.new_page(), [], [], queue.Queue()
+    page.add_init_script(NO_WEBGL)
     page.on("console", lambda message: message.type == "error" and errors.append(message.text))
     page.on("pageerror", lambda error: errors.append(str(error)))
     page.on("request", lambda request: asked.append(request.url))
