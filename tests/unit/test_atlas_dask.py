@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+from importlib.util import find_spec
 
 import pytest
 from observations import environment
@@ -16,7 +17,8 @@ from gemrender.sweep.atlas import make_atlas
 from gemrender.sweep.atlas.plan_file import read_plan
 from gemrender.sweep.atlas.store import AtlasStore
 
-distributed = pytest.importorskip("distributed")
+if find_spec("distributed") is None:
+    pytest.skip("distributed is not installed", allow_module_level=True)
 
 PLAN = """
     stone = "gia-excellent"
@@ -48,6 +50,8 @@ def contents(store):
 
 def cluster(**options):
     """Start a scheduler and its workers on loopback."""
+    import distributed
+
     return distributed.LocalCluster(
         host="127.0.0.1",
         protocol="tcp://",
@@ -72,7 +76,9 @@ def after_first_chunk(action):
 
 def test_a_worker_killed_in_the_middle_has_its_chunk_done_again(plan, tmp_path, expected):
     """By the other one, which is in this process and so at work long before it."""
-    with cluster(n_workers=1, processes=False) as two, distributed.Client(two.scheduler_address) as client:
+    from distributed import Client
+
+    with cluster(n_workers=1, processes=False) as two, Client(two.scheduler_address) as client:
         options = ["--nthreads", "1", "--no-nanny", "--no-dashboard", "--host", "127.0.0.1"]
         process = subprocess.Popen(
             [sys.executable, "-m", "distributed.cli.dask_worker", two.scheduler_address, *options],

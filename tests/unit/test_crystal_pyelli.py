@@ -6,11 +6,9 @@ them the signs of s and p of light outside.
 
 from __future__ import annotations
 
-import elli
 import numpy as np
 import pytest
 from crystals_help import KINDS, crystals, directions
-from elli.solver4x4 import PropagatorEig, Solver4x4
 
 from gemrender.optics.crystals import Indicatrix, enter, leave
 
@@ -35,6 +33,8 @@ def cases(kind, seed):
 
 def pyelli_material(crystal, axes):
     """Return the crystal in pyElli's frame."""
+    import elli
+
     dispersions = [elli.ConstantRefractiveIndex(complex(n, ABSORPTION)) for n in crystal.indices]
     if crystal.has_optic_axis:
         material = elli.UniaxialMaterial(dispersions[0], dispersions[2])
@@ -45,6 +45,8 @@ def pyelli_material(crystal, axes):
 
 
 def isotropic(index):
+    import elli
+
     return elli.ConstantRefractiveIndex(float(index)).get_mat()
 
 
@@ -55,6 +57,9 @@ def angle_deg(normal, k):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_amplitudes_that_enter(kind):
+    import elli
+    from elli.solver4x4 import Solver4x4
+
     for crystal, normal, k, outside in cases(kind, 21):
         entered = enter(normal, k, crystal, outside)
         waves = entered.waves
@@ -77,6 +82,9 @@ def test_amplitudes_that_enter(kind):
 @pytest.mark.parametrize("kind", KINDS)
 def test_amplitudes_that_leave(kind):
     """Of a plate, in which all waves go to and fro: both sides' amplitudes of what is inside."""
+    import elli
+    from elli.solver4x4 import PropagatorEig
+
     for thickness_nm, (crystal, normal, k, outside) in zip(
         np.linspace(50, 1000, N), cases(kind, 22), strict=True
     ):

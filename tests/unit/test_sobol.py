@@ -6,7 +6,6 @@ import itertools
 
 import numpy as np
 import pytest
-from scipy import stats
 
 from gemrender.render.backend import ensure_variant
 from gemrender.scene.sobol import DIMENSIONS, PixelSamples, sobol
@@ -66,6 +65,8 @@ def test_a_pair_fills_every_kind_of_box(wide):
 
 def test_the_sequence_is_that_of_joe_and_kuo():
     """Owen's scrambling changes boxes, not how many points they have: those of SciPy's own sequence."""
+    from scipy import stats
+
     ours, theirs = points(), stats.qmc.Sobol(DIMENSIONS, scramble=False).random(N)
     for axes in itertools.combinations(range(DIMENSIONS), 3):
         for strata in ((8, 8, 4), (16, 2, 2), (2, 4, 16)):
@@ -77,6 +78,7 @@ def test_a_point_is_anywhere_by_chance():
     """The same point of many keys: uniform, as Owen's scrambling makes it."""
     import drjit as dr
     import mitsuba as mi
+    from scipy import stats
 
     keys = dr.arange(mi.UInt32, 1 << 14)
     keys = [mi.sample_tea_32(keys, mi.UInt32(k), 8)[0] for k in range(DIMENSIONS)]

@@ -8,7 +8,6 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
-from scipy import stats
 
 # Single precision: a few roundings.
 SINGLE = 1e-6
@@ -71,6 +70,8 @@ def test03_by_default_it_is_the_hemisphere(variants_all, rng):
 
 
 def test04_directions_are_spread_evenly_over_what_is_lit(variant_llvm_ad_mono, rng):
+    from scipy import stats
+
     light, n = tilted(**ZONES), 100_000
     ds, _ = light.sample_direction(interaction(), mi.Point2f(rng.random((2, n))))
     d = np.array(ds.d).T
