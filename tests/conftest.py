@@ -97,8 +97,16 @@ def pytest_runtest_teardown(item: pytest.Item, nextitem: pytest.Item | None) -> 
 
 
 def pytest_sessionfinish() -> None:
-    # What Dr.Jit holds is let go in its order; but later than pytest has looked for garbage
-    atexit.register(gc.unfreeze)
+    atexit.register(_let_go)
+
+
+def _let_go() -> None:
+    """Have what Dr.Jit holds let go in its order; but later than pytest has looked for garbage.
+
+    Python looks for it once more after that, at all there is, and need not do so twice.
+    """
+    gc.unfreeze()
+    gc.disable()
 
 
 def _variant(name: str) -> Iterator[str]:

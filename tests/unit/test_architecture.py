@@ -85,6 +85,13 @@ def nodes(path: Path) -> tuple[ast.AST, ...]:
         gc.enable()
 
 
+@pytest.fixture(scope="module", autouse=True)
+def _nodes_go():
+    """Let go of them at the end: Python would look through them before its own."""
+    yield
+    nodes.cache_clear()
+
+
 @cache
 def imported(path: Path) -> tuple[str, ...]:
     return tuple(imports(nodes(path)))
