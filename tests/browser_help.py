@@ -77,7 +77,7 @@ COUNT = """(() => {
     };
 })()"""
 
-#: Makes a browser one without WebGL, which draws no stone in 3D: without a graphics card that takes most of a
+#: Makes a browser one without WebGL, which draws stones in lines: without a graphics card WebGL takes most of a
 #: page's time.
 NO_WEBGL = """(() => {
     const { getContext } = HTMLCanvasElement.prototype;

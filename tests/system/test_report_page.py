@@ -92,7 +92,7 @@ def shared(windows, pages) -> Callable[..., Opened]:
 
     @cache
     def opened_once(name: str) -> Opened:
-        seen = windows.open(pages[name], dark=name == "two", webgl=name not in UNDRAWN, script=COUNT)
+        seen = windows.open(pages[name], dark=name == "two", webgl=name not in IN_LINES, script=COUNT)
         for _ in range(2):
             seen.settle()
         seen.page.evaluate("window.opening = { ...drawn }")
@@ -130,8 +130,8 @@ def assert_shown(seen: dict[str, Any], observation: Observation) -> None:
 
 
 NAMES = ("one", "two", "measured", "emerald", "pear", "hollow", "cuts")
-#: Those that a browser without WebGL opens.
-UNDRAWN = ("measured", "cuts")
+#: Those that a browser without WebGL opens, which draws stones in lines.
+IN_LINES = ("measured", "cuts")
 
 
 @pytest.mark.parametrize("name", chosen(NAMES, [name for name in NAMES if name != "emerald"]))
@@ -141,14 +141,14 @@ def test01_loads_without_errors_and_without_requests(shared, pages, name):
     assert seen.requests == [pages[name].as_uri()]
     assert seen.page.evaluate("performance.getEntriesByType('resource').length") == 0
     told = [shown.is_visible() for shown in seen.page.locator(".failure").all()]
-    assert told == [name in UNDRAWN] * (3 if name == "cuts" else 2 if name == "two" else 1)
+    assert told == [name in IN_LINES] * (3 if name == "cuts" else 2 if name == "two" else 1)
 
 
-def test02_the_stone_is_drawn(shared):
-    seen = shared("one")
+@pytest.mark.parametrize("name", ["one", "measured"])
+def test02_the_stone_is_drawn(shared, name):
+    seen = shared(name)
     seen.page.evaluate("location.hash = 'x=-0.32&y=-0.12'")
     seen.canvas("stage").focus()
-    assert seen.page.locator(".failure").is_hidden()
 
     def pixels(key: str = "") -> dict[str, float]:
         if key:
@@ -157,9 +157,10 @@ def test02_the_stone_is_drawn(shared):
         return seen.canvas("stage").evaluate(PIXELS)
 
     drawn = pixels("0")
-    assert drawn["deviation"] > 30, "blank"
     assert drawn["bright"] > 500, "no outlines"
     assert drawn["red"] > 200, "no red ray"
+    if name not in IN_LINES:
+        assert drawn["deviation"] > 30, "no facets"
     assert pixels("ArrowLeft")["changed"] > 5000, "does not turn"
     assert pixels("0")["changed"] == 0, "0 does not bring it back"
 

@@ -13,6 +13,9 @@ const GemStage = (() => {
     const CLICK_SLACK = 5;
     const STAGE_FONT = '600 11px "Segoe UI", Roboto, Helvetica, Arial, sans-serif';
     const STAGE_GLOW = ['#1d2530', '#0b0e13'];
+    /** Edges that look away from the eye, and those that look at it [CSS px]. */
+    const FAR_EDGES = { colour: '#9fb6d3', opacity: 0.3, width: 1 };
+    const NEAR_EDGES = { colour: '#dfe9f7', opacity: 0.9, width: 1.35 };
 
     const FACET_SHADER = {
         vertexShader: `
@@ -118,7 +121,7 @@ const GemStage = (() => {
                         depthWrite: false,
                     }),
                 );
-            const lines = (colour, opacity, width, depthTest) =>
+            const lines = ({ colour, opacity, width }, depthTest) =>
                 new THREE.LineSegments2(
                     new THREE.LineSegmentsGeometry(),
                     new THREE.LineMaterial({
@@ -136,10 +139,10 @@ const GemStage = (() => {
                 polygonOffsetFactor: 1,
                 polygonOffsetUnits: 4,
             });
-            this.hidden = lines('#9fb6d3', 0.3, 1, false);
-            this.visible = lines('#dfe9f7', 0.9, 1.35, true);
-            this.silhouette = lines('#dfe9f7', 0.9, 1.35, false);
-            this.ray = lines('#ffffff', 1, 2.6, true);
+            this.hidden = lines(FAR_EDGES, false);
+            this.visible = lines(NEAR_EDGES, true);
+            this.silhouette = lines(NEAR_EDGES, false);
+            this.ray = lines({ colour: '#ffffff', opacity: 1, width: 2.6 }, true);
             this.met = facets(THREE.DoubleSide, 1);
             this.met.geometry = new THREE.BufferGeometry();
             this.met.material.uniforms.highlight = { value: 1 };
@@ -239,25 +242,52 @@ const GemStage = (() => {
                 renderer().render(this.scene, this.camera);
                 context.drawImage(renderer().domElement, 0, 0, width, width);
             }
-            if (!isShown) return;
-
             const scale = width / (2 * half);
             const onCanvas = (p) => {
                 const q = p.map((value, i) => value - this.centre[i]);
                 return [width / 2 + scale * dot(q, right), width / 2 - scale * dot(q, up)];
             };
-            const lines = lightLines(path).map((ends) => ends.map(onCanvas));
+            const lines = isShown ? lightLines(path).map((ends) => ends.map(onCanvas)) : [];
+            if (!renderer()) this.drawInLines(context, onCanvas, eye, lines);
+            if (!isShown) return;
+
             if (lines.length <= MOST_NUMBERED + 2) drawArrows(context, lines, rayColour(path), 5.5);
             this.drawLabels(context, stationNames(path), path.points.map(onCanvas), lines, width);
         }
 
         /** Outline the girdle's wall where it turns away from the eye. */
         outlineWall(eye) {
-            const ends = this.wall
-                .filter(({ normals: [first, second] }) => dot(first, eye) > 0 !== dot(second, eye) > 0)
-                .flatMap(({ from, to }) => [...from, ...to]);
+            const ends = this.turning(eye).flatMap(({ from, to }) => [...from, ...to]);
             this.silhouette.visible = ends.length > 0;
             if (ends.length > 0) setLines(this.silhouette, ends);
+        }
+
+        /** The edges within the girdle's wall where it turns away from the eye. */
+        turning(eye) {
+            return this.wall.filter(({ normals: [one, other] }) => dot(one, eye) > 0 !== dot(other, eye) > 0);
+        }
+
+        /** Draw edges and the ray by themselves, where there is no WebGL: what is far first. */
+        drawInLines(context, onCanvas, eye, ray) {
+            const stroke = (ends, { colour, opacity, width }) => {
+                context.strokeStyle = colour;
+                context.globalAlpha = opacity;
+                context.lineWidth = width;
+                context.beginPath();
+                for (const [from, to] of ends) {
+                    context.moveTo(...from);
+                    context.lineTo(...to);
+                }
+                context.stroke();
+                context.globalAlpha = 1;
+            };
+            const placed = (edges) => edges.map(({ from, to }) => [onCanvas(from), onCanvas(to)]);
+            const { outlines } = this.card.geometry;
+            const isNear = ({ normals }) => normals.some((normal) => dot(normal, eye) > 0);
+            stroke(placed(outlines.filter((edge) => !isNear(edge))), FAR_EDGES);
+            if (ray.length > 0)
+                stroke(ray, { colour: rayColour(this.card.path), opacity: 1, width: rayWidth(this.card.path) });
+            stroke(placed([...outlines.filter(isNear), ...this.turning(eye)]), NEAR_EDGES);
         }
 
         /** Number the points, where there is room. */
