@@ -77,8 +77,8 @@ COUNT = """(() => {
     };
 })()"""
 
-#: Makes a browser one without WebGL, which draws stones in lines: without a graphics card WebGL takes most of a
-#: page's time.
+#: Makes a browser one without WebGL, where stones are drawn in lines: without a graphics card WebGL takes most
+#: of a page's time.
 NO_WEBGL = """(() => {
     const { getContext } = HTMLCanvasElement.prototype;
     HTMLCanvasElement.prototype.getContext = function (kind, ...all) {
