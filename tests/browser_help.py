@@ -77,7 +77,7 @@ COUNT = """(() => {
     };
 })()"""
 
-#: Makes a browser one without WebGL, where stones are drawn in lines: without a graphics card WebGL takes most
+#: Makes a browser one without WebGL, where stones are drawn in lines: without a graphics card that takes most
 #: of a page's time.
 NO_WEBGL = """(() => {
     const { getContext } = HTMLCanvasElement.prototype;
