@@ -23,8 +23,9 @@ from observations import TERMINAL_VARIABLES
 
 from gemrender import cli
 from gemrender.errors import BackendError
+from gemrender.processors import usable_processors
 from gemrender.progress import ProgressLines
-from gemrender.render.backend import ensure_variant, prepare_llvm, usable_processors
+from gemrender.render.backend import ensure_variant, prepare_llvm
 
 # Dr.Jit loads its LLVM while it is imported, and test modules import it. Where there is none, the variant
 # fixtures say so, and the tests that need no Mitsuba still run.

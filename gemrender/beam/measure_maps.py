@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -20,6 +19,7 @@ from gemrender.beam.solid import BeamStone, beam_stone
 from gemrender.measures.maps import MapBuilder, MeasureMaps
 from gemrender.measures.measure import HEAD_DEG, Measure
 from gemrender.observation import Model, RayStatus, View
+from gemrender.processors import usable_processors
 from gemrender.stone import Stone
 
 __all__ = ["measure_maps"]
@@ -89,7 +89,7 @@ def measure_maps(
     blocks = _Blocks(convex, facets, builder, seed)
     rows = max(1, _BLOCK // view.resolution)
     firsts = range(0, view.resolution, rows)
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
+    with ThreadPoolExecutor(usable_processors()) as pool:
         done = pool.map(lambda first: blocks.block(first, min(rows, view.resolution - first)), firsts)
         for first, (sums, covered) in zip(firsts, done, strict=True):
             builder.write(first, sums, covered)

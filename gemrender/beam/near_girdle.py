@@ -7,7 +7,6 @@ So each set gives an unbiased score, and their scatter the error.
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -28,6 +27,7 @@ from gemrender.measures.inoue import MET
 from gemrender.measures.tally import SETS, Tally
 from gemrender.observation import Model, RayStatus, View
 from gemrender.paths import Paths
+from gemrender.processors import usable_processors
 from gemrender.stone import Stone
 
 __all__ = ["CELLS", "RIM", "STEPS", "UNSEEN", "NearGirdle", "Rim", "by_sets", "more_rays", "next_points"]
@@ -296,8 +296,8 @@ def more_rays(rays: int, error: float, wanted: float) -> int:
 
 def by_sets(work: Callable[[slice], np.ndarray], sets: int) -> np.ndarray:
     """Let threads do what is to be done for each set, some sets at a time; join what they return."""
-    bounds = np.linspace(0, sets, min(2 * (os.cpu_count() or 1), sets) + 1).astype(int)
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
+    bounds = np.linspace(0, sets, min(2 * usable_processors(), sets) + 1).astype(int)
+    with ThreadPoolExecutor(usable_processors()) as pool:
         return np.concatenate(list(pool.map(work, map(slice, bounds[:-1], bounds[1:]))))
 
 

@@ -6,7 +6,6 @@ and (4) are misprinted; Snell's law is used as `docs/model.md`, section 4, state
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, as_completed
@@ -26,6 +25,7 @@ from gemrender.observation import (
     View,
 )
 from gemrender.optics.fresnel import is_totally_reflected, transmittance
+from gemrender.processors import usable_processors
 from gemrender.reference.surfaces import Surfaces, surfaces_of
 from gemrender.stone import Stone
 from gemrender.stone.facets import LEVEL
@@ -217,7 +217,7 @@ def observe(
             array[pixel] = getattr(record, name)
 
     begins = range(0, n, BLOCK)
-    with ThreadPoolExecutor(threads or os.cpu_count()) as pool:
+    with ThreadPoolExecutor(threads or usable_processors()) as pool:
         futures = [pool.submit(block, begin) for begin in begins]
         try:
             for done, future in enumerate(as_completed(futures), start=1):

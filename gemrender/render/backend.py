@@ -7,12 +7,12 @@ environment variable that names the library has to be set before.
 from __future__ import annotations
 
 import importlib
-import os
 import sys
 from typing import Any
 
 from gemrender.errors import BackendError, InputError
 from gemrender.interruption import interruptions_held
+from gemrender.processors import usable_processors
 from gemrender.render.cures import backend_error, cure_for_missing, library_cure
 from gemrender.render.import_order import exchange_llvm
 from gemrender.render.llvm import (
@@ -32,7 +32,6 @@ __all__ = [
     "find_llvm",
     "mitsuba",
     "prepare_llvm",
-    "usable_processors",
 ]
 
 #: Versions that gemrender runs with, as pinned in pyproject.toml.
@@ -132,11 +131,6 @@ def _activate(mi: Any, variant: str) -> None:
     importlib.import_module("gemrender.plugins").register()
     if usable_processors() == 1:
         _give_second_thread()
-
-
-def usable_processors() -> int:
-    """Return how many processors this process may use; the machine's where the system does not say."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _give_second_thread() -> None:

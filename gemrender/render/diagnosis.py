@@ -14,7 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from gemrender.errors import BackendError
-from gemrender.render.backend import DRJIT, MITSUBA, usable_processors
+from gemrender.processors import usable_processors
+from gemrender.render.backend import DRJIT, MITSUBA
 from gemrender.render.cures import cure_for_missing, found_and_cure, last_words, library_cure
 from gemrender.render.llvm import LLVM_VARIABLE, find_llvm
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import contextlib
-import os
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from functools import partial
 from typing import Any, TypeVar
 
 from gemrender.engines import DEFAULT_ENGINE, DEFAULT_VARIANT, engine_for, require_engine
+from gemrender.processors import usable_processors
 from gemrender.stone import Stone
 from gemrender.sweep.workers import in_processes
 
@@ -46,7 +46,7 @@ def spread(
     by_threads : bool
         Whether to use threads.
     """
-    count = min(processes or os.cpu_count() or 1, len(items))
+    count = min(processes or usable_processors(), len(items))
     if count <= 1:
         for item in items:
             yield work(None, item)
@@ -58,7 +58,7 @@ def spread(
         finally:
             pool.shutdown(cancel_futures=True)
     else:
-        threads = max(1, (os.cpu_count() or 1) // count)  # each with its share of the processors
+        threads = max(1, usable_processors() // count)  # each with its share of the processors
         with contextlib.closing(in_processes(partial(work, threads), items, count)) as results:
             yield from results
 

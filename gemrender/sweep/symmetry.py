@@ -6,7 +6,6 @@ Each draw has a seed of its own, so that a study can be stopped and resumed, and
 from __future__ import annotations
 
 import contextlib
-import os
 from collections.abc import Callable, Generator, Iterable
 from dataclasses import asdict, dataclass
 from functools import partial
@@ -20,6 +19,7 @@ from gemrender.cuts import StoneLike, as_stone
 from gemrender.engines import DEFAULT_ENGINE, engine_for
 from gemrender.errors import InputError
 from gemrender.journal import Journal
+from gemrender.processors import usable_processors
 from gemrender.request import StudyOptions, spelt_out
 from gemrender.shown import Tabled
 from gemrender.stone import Stone
@@ -223,13 +223,13 @@ def _scores(
 ) -> Generator[tuple[int, tuple[float, float]], None, None]:
     """Score the draws of these numbers, in any order."""
     batches = [numbers[i : i + _BATCH] for i in range(0, len(numbers), _BATCH)]
-    count = min(processes or os.cpu_count() or 1, len(batches))
+    count = min(processes or usable_processors(), len(batches))
     if count <= 1:
         for batch in batches:
             yield from work(None, batch)
         return
     # Each with its share of the processors.
-    threads = max(1, (os.cpu_count() or 1) // count)
+    threads = max(1, usable_processors() // count)
     with contextlib.closing(in_processes(partial(work, threads), batches, count)) as results:
         for scores in results:
             yield from scores

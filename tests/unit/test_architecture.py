@@ -27,7 +27,7 @@ LAYERS: list[dict[str, set[str]]] = [
     {"errors": set(), "signatures": set()},
     {"shown": set()},
     {"mistakes": set()},
-    {"writing": set(), "reading": set(), "progress": set(), "interruption": set()},
+    {"writing": set(), "reading": set(), "progress": set(), "interruption": set(), "processors": set()},
     {"journal": set()},
     {"stone": {"numpy", "scipy"}, "optics": {"numpy"}},
     {"cuts": {"numpy", "scipy", "defusedxml", "trimesh", "srn_parser"}},
@@ -164,6 +164,18 @@ def test_no_study_imports_from_a_package_of_studies():
         for name in imported(path) if part_of(path) == "sweep" else ():
             if ".".join(name.split(".")[:3]) in others:
                 yield f"must not import {name}"
+
+    check_all(rule)
+
+
+def test_work_is_shared_among_processors_of_the_process_not_of_the_machine():
+    """A job of a cluster has some of them; the doctor tells both numbers."""
+
+    def rule(path):
+        if path.stem not in ("processors", "diagnosis"):
+            for node in nodes(path):
+                if named(node, "cpu_count"):
+                    yield "must ask gemrender.processors"
 
     check_all(rule)
 

@@ -290,7 +290,7 @@ def test_processes_write_the_same_bytes_though_one_of_them_is_killed(planned, tm
     """They are started after the first stones, which threads have measured."""
     monkeypatch.setattr(work, "TRIAL_S", 0.0)
     monkeypatch.setattr(work, "WORTH_S", 0.0)
-    monkeypatch.setattr("os.cpu_count", lambda: 2)
+    monkeypatch.setattr(work, "usable_processors", lambda: 2)
     plan = planned(SOBOL.replace("number = 7", "number = 20"))
     killed = []
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import os
 import threading
 import time
 from collections.abc import Generator, Iterable, Iterator, Sequence
@@ -13,6 +12,7 @@ from functools import partial
 import numpy as np
 
 from gemrender.errors import InputError
+from gemrender.processors import usable_processors
 from gemrender.sweep.atlas.parts import Measured, Part, Parts, chunk_arrays, chunk_size
 from gemrender.sweep.atlas.plan import AtlasPlan
 from gemrender.sweep.workers import in_processes
@@ -44,7 +44,7 @@ def check_workers(threads: int | None, processes: int | None, dask: str | None) 
 
 def workers_of(threads: int | None, processes: int | None) -> int:
     """Return the number of threads or processes."""
-    return threads or processes or os.cpu_count() or 1
+    return threads or processes or usable_processors()
 
 
 def chunks_measured(

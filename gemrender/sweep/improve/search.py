@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import math
-import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
@@ -18,6 +17,7 @@ from gemrender.engines import DEFAULT_HEAD, check_head, require_engine
 from gemrender.errors import InputError
 from gemrender.journal import Journal
 from gemrender.measures import Measure
+from gemrender.processors import usable_processors
 from gemrender.reading import did_you_mean
 from gemrender.stone import Stone
 from gemrender.sweep.cliffs import check_reach
@@ -109,7 +109,7 @@ class Search:
                     Journal(journal, self._first_line(), self._entry, work="search")
                 )
                 self.known.update(self._journal.known)
-            pool = ThreadPoolExecutor(threads or os.cpu_count() or 1)
+            pool = ThreadPoolExecutor(threads or usable_processors())
             stack.callback(pool.shutdown, cancel_futures=True)  # after Ctrl-C what waits is not begun
             self.map = pool.map
             yield
