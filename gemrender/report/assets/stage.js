@@ -59,7 +59,7 @@ const GemStage = (() => {
     let shared; // undefined: not asked for yet; null: this browser has none
     function renderer() {
         if (shared === undefined) {
-            // Three would write an error to the console where there is none
+            // Asked for by itself: without WebGL, Three would write an error to the console
             const canvas = document.createElement('canvas');
             const context = canvas.getContext('webgl2', { antialias: true, alpha: true });
             if (context === null) return (shared = null);
