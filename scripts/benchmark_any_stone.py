@@ -34,6 +34,7 @@ from gemrender.beam.rays import INSIDE, STATUS, Rays, chosen_rays, empty_rays, e
 from gemrender.cuts import RoundBrilliant, load_stone
 from gemrender.cuts.random import random_brilliant
 from gemrender.observation import MOST_REFLECTIONS, View
+from gemrender.processors import usable_processors
 from gemrender.stone import Stone
 
 DESIGNS = Path(__file__).parents[1] / "tests" / "cases" / "stones"
@@ -220,7 +221,7 @@ def rate(table: Table, options: argparse.Namespace) -> None:
 
 def rays(table: Table, options: argparse.Namespace) -> None:
     """Follow single rays of the whole view, on one core and on all."""
-    cores = os.cpu_count() or 1
+    cores = usable_processors()
     for name in ("inoue-3", DESIGNS / "emerald.asc"):
         stone = load_stone(name)
         ready, view = beam_stone(stone), View.of(stone, RAYS_A_SIDE)

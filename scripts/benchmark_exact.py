@@ -39,6 +39,7 @@ from gemrender.beam.solid import BeamStone
 from gemrender.cuts import RoundBrilliant, load_stone
 from gemrender.engines import DEFAULT_BOUND, observe
 from gemrender.observation import Model, View
+from gemrender.processors import usable_processors
 from gemrender.scoring import score_pixels
 from gemrender.stone import Stone
 
@@ -139,7 +140,7 @@ def single_rays(repeats: int) -> None:
 
     Beside it numpy's matrix product of as many rays and planes, which the machine's speed can be told by.
     """
-    cores = os.cpu_count() or 1
+    cores = usable_processors()
     ready, inside = girdle_rays(load_stone("fish-eye"), 200_000)
 
     def follow(part: np.ndarray) -> int:
@@ -310,7 +311,7 @@ def _score_many(seeds: Sequence[int]) -> int:
 
 def throughput(number: int) -> None:
     """Count stones made and scored in a second by one core, by threads and by processes; median of three."""
-    cores = os.cpu_count() or 1
+    cores = usable_processors()
     start = time.perf_counter()
     for seed in range(number):
         cut(np.random.default_rng(seed), seed)

@@ -19,13 +19,12 @@ from gemrender.cuts import StoneLike, as_stone
 from gemrender.engines import DEFAULT_ENGINE, engine_for
 from gemrender.errors import InputError
 from gemrender.journal import Journal
-from gemrender.processors import usable_processors
 from gemrender.request import StudyOptions, spelt_out
 from gemrender.shown import Tabled
 from gemrender.stone import Stone
-from gemrender.sweep.spreading import STUDY_RESOLUTION, limit_threads
+from gemrender.sweep.spreading import STUDY_RESOLUTION, limit_threads, spread
 from gemrender.sweep.unknown import MOST_JITTER, MOST_TILT_DEG, Cutting, Measuring, draw
-from gemrender.sweep.workers import LostProcessError, in_processes
+from gemrender.sweep.workers import LostProcessError
 
 __all__ = ["MOST_DRAWS", "SymmetryStudy", "check_study", "draw_stone", "study_symmetry"]
 
@@ -223,14 +222,7 @@ def _scores(
 ) -> Generator[tuple[int, tuple[float, float]], None, None]:
     """Score the draws of these numbers, in any order."""
     batches = [numbers[i : i + _BATCH] for i in range(0, len(numbers), _BATCH)]
-    count = min(processes or usable_processors(), len(batches))
-    if count <= 1:
-        for batch in batches:
-            yield from work(None, batch)
-        return
-    # Each with its share of the processors.
-    threads = max(1, usable_processors() // count)
-    with contextlib.closing(in_processes(partial(work, threads), batches, count)) as results:
+    with contextlib.closing(spread(work, batches, processes, by_threads=False)) as results:
         for scores in results:
             yield from scores
 

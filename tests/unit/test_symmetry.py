@@ -141,7 +141,7 @@ def test_where_processes_are_lost_it_says_what_is_kept(tmp_path, monkeypatch):
         yield [(-1, (50.0, 20.0))]
         raise LostProcessError("a process was ended")
 
-    monkeypatch.setattr("gemrender.sweep.symmetry.in_processes", lost)
+    monkeypatch.setattr("gemrender.sweep.spreading.in_processes", lost)
     study, journal = {**TINY, "processes": 2}, tmp_path / "study.jsonl"
     with pytest.raises(LostProcessError, match=r"^a process was ended$"):
         study_symmetry(STONE, **study)

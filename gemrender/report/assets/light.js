@@ -105,6 +105,15 @@ const GemLight = (() => {
         return { context, width, pixels };
     }
 
+    /** Begin a path of lines [from, to] on a canvas. */
+    function beginLines(context, lines) {
+        context.beginPath();
+        for (const [from, to] of lines) {
+            context.moveTo(...from);
+            context.lineTo(...to);
+        }
+    }
+
     /** Draw the lines of a ray, an arrow in the middle of each, and its numbered points. */
     function drawArrows(context, lines, colour, size) {
         context.fillStyle = colour;
@@ -127,6 +136,6 @@ const GemLight = (() => {
 
     return Object.freeze({
         REAR, UNSOLVED, OUTSIDE, MOST_NUMBERED, kindOf, kindColour, kinds, painted, codeOf, pathColour, rayColour,
-        rayWidth, lightLines, stationNames, isFitted, fitted, drawArrows,
+        rayWidth, lightLines, stationNames, isFitted, fitted, beginLines, drawArrows,
     });
 })();

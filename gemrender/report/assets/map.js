@@ -7,7 +7,7 @@ const GemMap = (() => {
     const { number, find, tip } = GemDom;
     const { data, choose, lights } = GemPage;
     const { codes } = data;
-    const { OUTSIDE, MOST_NUMBERED, kinds, rayColour, rayWidth, lightLines, fitted, drawArrows } = GemLight;
+    const { OUTSIDE, MOST_NUMBERED, kinds, rayColour, rayWidth, lightLines, fitted, beginLines, drawArrows } = GemLight;
     const { facetName } = GemRay;
 
     /** The map's margin around the stone, as a share of its width. */
@@ -62,12 +62,10 @@ const GemMap = (() => {
             context.globalAlpha = 1;
             if (lights.kind !== null) context.drawImage(map.picture(lights.kind), left, top, side, side);
             if (this.withLines) {
-                context.beginPath();
-                for (const { from, to, facets } of this.card.geometry.outlines) {
-                    if (!facets.some((facet) => this.card.facesEye(facet, viewEye))) continue;
-                    context.moveTo(...onCanvas(from));
-                    context.lineTo(...onCanvas(to));
-                }
+                const seen = this.card.geometry.outlines.filter(({ facets }) =>
+                    facets.some((facet) => this.card.facesEye(facet, viewEye)),
+                );
+                beginLines(context, seen.map(({ from, to }) => [onCanvas(from), onCanvas(to)]));
                 context.lineWidth = 1;
                 context.strokeStyle = 'rgb(255 255 255 / 0.75)';
                 context.stroke();
@@ -102,11 +100,7 @@ const GemMap = (() => {
             if (path.status !== STATUS.MISSED) {
                 const colour = rayColour(path);
                 const lines = lightLines(path).map((ends) => ends.map(onCanvas));
-                context.beginPath();
-                for (const [from, to] of lines) {
-                    context.moveTo(...from);
-                    context.lineTo(...to);
-                }
+                beginLines(context, lines);
                 context.lineCap = context.lineJoin = 'round';
                 const halo = path.rear ? '#000000' : '#ffffff';
                 for (const [style, lineWidth] of [[halo, 2 * rayWidth(path)], [colour, rayWidth(path)]]) {

@@ -7,7 +7,7 @@ const GemStage = (() => {
     const { STATUS, dot } = GemTracer;
     const { find, announce } = GemDom;
     const { cards, choose } = GemPage;
-    const { MOST_NUMBERED, rayColour, rayWidth, lightLines, stationNames, fitted, drawArrows } = GemLight;
+    const { MOST_NUMBERED, rayColour, rayWidth, lightLines, stationNames, fitted, beginLines, drawArrows } = GemLight;
 
     /** A press that moves less than this is a click [CSS px]. */
     const CLICK_SLACK = 5;
@@ -273,11 +273,7 @@ const GemStage = (() => {
                 context.strokeStyle = colour;
                 context.globalAlpha = opacity;
                 context.lineWidth = width;
-                context.beginPath();
-                for (const [from, to] of ends) {
-                    context.moveTo(...from);
-                    context.lineTo(...to);
-                }
+                beginLines(context, ends);
                 context.stroke();
                 context.globalAlpha = 1;
             };

@@ -144,12 +144,10 @@ export class FacetMap {
         const { basis: [right, up, eye] } = this.frame.view;
         const onCanvas = (p) => toCanvas(Tracer.dot(p, right), Tracer.dot(p, up));
         if (this.withLines && this.geometry) {
-            context.beginPath();
-            for (const { from, to, normals } of this.geometry.outlines) {
-                if (!normals.some((normal) => Tracer.dot(normal, eye) > 0)) continue;
-                context.moveTo(...onCanvas(from));
-                context.lineTo(...onCanvas(to));
-            }
+            const seen = this.geometry.outlines.filter(({ normals }) =>
+                normals.some((normal) => Tracer.dot(normal, eye) > 0),
+            );
+            Light.beginLines(context, seen.map(({ from, to }) => [onCanvas(from), onCanvas(to)]));
             context.lineWidth = 1.1;
             context.strokeStyle = 'rgb(255 255 255 / 0.8)';
             context.stroke();
@@ -157,11 +155,7 @@ export class FacetMap {
         if (this.path && this.path.status !== Tracer.STATUS.MISSED) {
             const lines = Light.lightLines(this.path).map((ends) => ends.map(onCanvas));
             for (const [colour, wider] of [['rgb(0 0 0 / 0.65)', 2.4], [Light.rayColour(this.path), 0]]) {
-                context.beginPath();
-                for (const [from, to] of lines.slice(0, -1)) {
-                    context.moveTo(...from);
-                    context.lineTo(...to);
-                }
+                Light.beginLines(context, lines.slice(0, -1));
                 context.lineWidth = 1.6 + wider;
                 context.lineCap = 'round';
                 context.strokeStyle = colour;
